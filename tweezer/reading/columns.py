@@ -33,45 +33,51 @@ _NAMES_TOLD = 10
 
 
 class Wanted(NamedTuple):
-    """What a table is read for."""
+    """Requirements of the caller on a table: which coordinates, and whether voltages will do."""
 
     axes: tuple[str, ...]
-    """coordinates that it must have"""
+    """coordinates that the table must have, such as ("x", "y")"""
     volts: bool = False
     """whether positions may be voltages"""
 
 
 class Columns(NamedTuple):
-    """The numbers of a table."""
+    """Numbers read from a table: the times, positions and stage motion of one bead."""
 
     times: Array
-    """s"""
+    """(n,) s"""
     columns: dict[str, Array]
-    """x, y, z as far as there, and drive; in SI units, or V"""
+    """(n,) each: those of "x", "y" and "z" that the table has, in `unit`, and the motion of the
+    stage, "drive", m"""
     unit: str
-    """of x, y and z: "m" or "V\""""
+    """unit of x, y and z: "m" or "V\""""
     note: str
-    """what was done to the numbers"""
+    """what was done to the numbers, such as rows sorted or left out; "" for nothing"""
     dated: bool
     """whether the order of the rows is known, by times or frames that were read"""
 
 
 class _Place(NamedTuple):
-    """A column that is read."""
+    """A column that is read, and the units stated for it."""
 
     column: int
-    """its number, from 0"""
+    """its number in the table, from 0"""
     units: tuple[str, ...] = ()
-    """that it is said to be in, by who chose it, by its heading and beside it"""
+    """units stated in the option --columns, in its heading and in a line or attribute beside it;
+    they must agree"""
 
 
 def read(table: Table, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
-    """The columns of `table` that are wanted, by the bead; a table of one bead has the label "".
+    """Read the columns that are wanted from a table, and return them by the label of the bead.
 
-    Raises `ResultError`, naming the file, and what to do about it where that is known.
+    A table of one bead has the label "". Numbers are in SI units, or V. Raises `ResultError`,
+    naming the file and, where it is known, the remedy.
+
+    reading: options of the user. wanted: requirements of the caller.
     """
     _refuse_spectrum(table, reading)
     places = _places(table, reading, wanted)
+    # with numbers of frames and a rate, a column of times is only compared with them
     beside = places.pop("t", None) if "frame" in places else None
     of_bead = places.pop("bead", None)
     axes = [axis for axis in AXES if axis in places]
@@ -139,7 +145,11 @@ def _sorted(
     values: dict[str, Array],
     rate: float | None,
 ) -> tuple[dict[str, Array], str]:
-    """Return the values by time, and what was done to them."""
+    """Return the values with their rows in order of time, and a note on what was done.
+
+    name: of file and bead, for messages. places: columns that were read, by quantity. values: (n,)
+    numbers by quantity, in SI units. rate: of the rows, Hz, if it is given.
+    """
     stamps = values.get("frame", values.get("t"))
     if stamps is None:
         return values, ""
@@ -150,7 +160,7 @@ def _sorted(
 
 
 def _option(table: Table, places: dict[str, _Place]) -> str:
-    """Return these columns as `--columns` names them."""
+    """Return text for the option --columns that reads these columns, such as "x=Bead 1 [um]"."""
     named = []
     for quantity, place in places.items():
         column = table.columns[place.column]
@@ -164,9 +174,13 @@ def _option(table: Table, places: dict[str, _Place]) -> str:
 def _unread_stamps(
     name: str, table: Table, places: dict[str, _Place], rows: NDArray[Any], rate: float
 ) -> str:
-    """Return a note on a column of times that is not read and has another rate.
+    """Compare the given rate with a column of times that is not read, and return a note.
 
-    Raises `ResultError` for rows that a column of times or frames has in another order.
+    The note is "" unless the rates differ by more than 5 %. Raises `ResultError` if a column of
+    times or frames shows that the rows are in another order.
+
+    name: of file and bead, for messages. places: columns that are read, by quantity. rows: (n,)
+    booleans, the rows of the bead. rate: Hz.
     """
     groups = {table.columns[place.column].group for place in places.values()}
     for index, column in enumerate(table.columns):
@@ -196,10 +210,13 @@ def _unread_stamps(
 def _beads(
     table: Table, places: dict[str, _Place], reading: Reading, chosen: _Place | None, length: int
 ) -> Iterator[tuple[str, NDArray[Any], str]]:
-    """Each bead that is wanted: its label, which rows it has, and a note.
+    """Yield each bead to be read: its label, its rows as (n,) booleans, and a note.
 
-    Only a column that is as long as those that are read, and in a group of the file with one of
-    them, distinguishes beads, unless it is chosen.
+    The labels come from the column `chosen` in --columns, or else from the first column whose
+    heading names beads. Such a column must be as long as the columns that are read, and share a
+    group of the file with one of them. Without labels there is one bead "" with all rows.
+
+    places: columns that are read, by quantity. length: number n of their rows.
     """
     groups = {table.columns[place.column].group for place in places.values()}
     of_beads = [
@@ -245,7 +262,10 @@ def _beads(
 
 
 def _labels(table: Table, index: int) -> NDArray[Any]:
-    """Return the labels of beads in a column; "" for none."""
+    """Return the label of the bead in each row of a column, (n,) texts; "" for a row without one.
+
+    index: number of the column, from 0. Numbers are written the same way whether 1 or 1.0.
+    """
     try:
         (numbers,) = table.numbers([index])
     except ResultError:
@@ -257,6 +277,7 @@ def _labels(table: Table, index: int) -> NDArray[Any]:
 
 
 def _label(text: str) -> str:
+    """Return the label of a bead as the user gives it, with a number written as `_labels` does."""
     try:
         return f"{float(text):.15g}"
     except ValueError:
@@ -264,7 +285,11 @@ def _label(text: str) -> str:
 
 
 def _places(table: Table, reading: Reading, wanted: Wanted) -> dict[str, _Place]:
-    """The place of each column that is read."""
+    """Return the columns to be read, by their quantity: t, frame, bead, x, y, z or drive.
+
+    They are those named by --columns, or else by their headings. Raises `ResultError` if a
+    coordinate that is wanted, the stage or the times are missing and no rate is given.
+    """
     if reading.columns:
         places = {each.quantity: _place(table, each) for each in reading.columns}
         if not {"t", "frame"} & set(places) and reading.rate is None:
@@ -312,7 +337,11 @@ def _places(table: Table, reading: Reading, wanted: Wanted) -> dict[str, _Place]
 
 
 def _refuse_spectrum(table: Table, reading: Reading) -> None:
-    """Refuse a table of frequencies and powers, unless other columns are named."""
+    """Raise `ResultError` for a table of a power spectrum, unless --columns names other columns.
+
+    A spectrum has a column of frequencies and one of powers. Beside a column whose heading begins
+    with "freq", any other column counts as powers.
+    """
     quantities = {understood(column.heading).quantity for column in table.columns}
     kinds = [of_a_spectrum(column.heading, column.unit) for column in table.columns]
     if quantities & {"t", "frame"} or "frequency" not in kinds:
@@ -338,7 +367,10 @@ def _refuse_spectrum(table: Table, reading: Reading) -> None:
 
 
 def are_headings(cells: list[str], reading: Reading, wanted: Wanted) -> bool:
-    """Whether cells of a text are the headings of the columns that are wanted."""
+    """Return whether the cells of a line of text are the headings of the wanted columns.
+
+    This finds the line of headings below other lines at the beginning of a file.
+    """
     names = [_folded(cell) for cell in cells]
     if called := [_folded(each.heading) for each in reading.columns if each.heading]:
         begins = [each.partition("[")[0].rstrip() for each in called]
@@ -349,11 +381,15 @@ def are_headings(cells: list[str], reading: Reading, wanted: Wanted) -> bool:
 
 
 def _has_rate(table: Table, places: dict[str, _Place]) -> bool:
+    """Return whether the file states the sampling interval of one of the columns that are read."""
     return any(table.columns[place.column].step is not None for place in places.values())
 
 
 def _place(table: Table, chosen: Chosen) -> _Place:
-    """The place of a column that is chosen by its number, or by its name or heading."""
+    """Return the column that the user chose by its number, name or heading, with its units.
+
+    Units that do not belong to the quantity are ignored if another one does.
+    """
     unit = chosen.unit
     if chosen.place is None:
         index, unit = _called(table, chosen)
@@ -371,7 +407,11 @@ def _place(table: Table, chosen: Chosen) -> _Place:
 
 
 def _called(table: Table, chosen: Chosen) -> tuple[int, str | None]:
-    """The column that is called so, and the unit in brackets behind the name."""
+    """Return the number of the column with a chosen name, and the unit in brackets after the name.
+
+    The name may be the column's full name, its heading, or its heading without the unit. Raises
+    `ResultError` unless exactly one column has it.
+    """
     names = [_folded(column.name) for column in table.columns]
     headings = [_folded(column.heading) for column in table.columns]
     called, unit = chosen.heading, None
@@ -394,15 +434,17 @@ def _called(table: Table, chosen: Chosen) -> tuple[int, str | None]:
 
 
 def _folded(name: str) -> str:
+    """Return a name in small letters, with single spaces and nothing around it, for comparison."""
     return " ".join(name.strip(AROUND).lower().split())
 
 
 def _by_headings(
     table: Table, quantities: Sequence[str], groups: Set[str] = frozenset()
 ) -> dict[str, _Place]:
-    """Return the columns whose headings name one of `quantities`.
+    """Return the columns whose headings name one of `quantities`, by quantity.
 
-    Columns in one of `groups` of the file come first, then those whose heading has no other words.
+    Of several columns for a quantity, those in one of `groups` of the file are preferred, then
+    those whose heading has no other words. Raises `ResultError` if several remain.
     """
     found: dict[str, list[tuple[bool, _Place]]] = {}
     for index, column in enumerate(table.columns):
@@ -441,7 +483,11 @@ def _refuse_missing(
     drive: str | None,
     wanted: Wanted,
 ) -> NoReturn:
-    """Refuse a table that lacks columns, with what to do about it."""
+    """Raise `ResultError` for a table that lacks columns, with ways to read it.
+
+    places: columns found, by quantity. missing: quantities without a column. drive: heading of the
+    column of the stage, if it is wanted.
+    """
     used = {place.column for place in places.values()}
     others = [each.name for i, each in enumerate(table.columns) if i not in used]
     there = [f"{each}={table.columns[places[each].column].name}" for each in places if each in AXES]
@@ -462,10 +508,11 @@ def _refuse_missing(
 
 
 def _others(table: Table, lacking: list[str], used: Set[int]) -> Iterator[str]:
-    """Name columns for the quantities that are lacking, as far as their numbers fit.
+    """Yield an entry for --columns, such as "x=Channel 3", for each quantity that is lacking.
 
-    A time ascends, and a count of rows is no time; positions do not ascend. Columns with a unit of
-    the quantity come first.
+    A column fits by its numbers: times ascend, positions do not, and numbers that rise by 1 are
+    frames, not times. Columns with a unit of the quantity are preferred. Without a fitting column
+    the entry is "x=...". used: numbers of the columns that are read already.
     """
     left = [index for index in range(len(table.columns)) if index not in used]
 
@@ -491,20 +538,25 @@ def _others(table: Table, lacking: list[str], used: Set[int]) -> Iterator[str]:
 
 
 def _there(table: Table) -> str:
+    """Return " among ..." with the names of up to 10 columns, for messages; "" without names."""
     names = [short(column.name.strip(AROUND)) for column in table.columns]
     more = ", ..." if len(names) > _NAMES_TOLD else ""
     return f" among {', '.join(map(repr, names[:_NAMES_TOLD]))}{more}" if any(names) else ""
 
 
 def short(text: str) -> str:
-    """The text, cut to fit into a line."""
+    """Return a text, cut to 40 characters to fit into a line."""
     return text if len(text) <= 40 else text[:37] + "..."
 
 
 def _factor(
     table: Table, quantity: str, place: _Place, reading: Reading, wanted: Wanted
 ) -> tuple[float, str]:
-    """Factor of a column to SI, and its unit."""
+    """Return the factor that converts a column to SI units, or to V, and that unit: "m", "V", "s".
+
+    Raises `ResultError` for unknown or contradictory units, and for pixels or volts that need a
+    --scale.
+    """
     heading = short(table.columns[place.column].heading.strip(AROUND)) or quantity
     found: dict[tuple[float, str], str] = {}
     for unit in place.units:
@@ -539,8 +591,13 @@ def _factor(
 def _times(
     table: Table, reading: Reading, values: dict[str, Array], step: float | None
 ) -> tuple[Array, str]:
-    """The times of the rows, s, and what is to be said about them."""
-    rate = reading.rate if reading.rate is not None else step and 1 / step
+    """Return the times of the rows, (n,) s, and a note on them.
+
+    They come from the numbers of frames and their rate, from the rate or `step` alone, or from a
+    column of times. values: (n,) numbers by quantity. step: sampling interval stated in the file,
+    s.
+    """
+    rate = reading.rate if reading.rate is not None else step and 1 / step  # None without both
     if "frame" in values:
         frames = values["frame"]
         assert rate is not None
@@ -559,9 +616,10 @@ def _times(
 def _said_by_times(
     table: Table, reading: Reading, wanted: Wanted, frames: Array, place: _Place
 ) -> str:
-    """What is to be said about frames at a rate, beside a column of times.
+    """Compare the frames and their rate with a column of times, and return a note.
 
-    Nothing where that has no numbers of a known unit in each row, but dates, say.
+    The note is "" if they agree, and if the column cannot be compared because it has, for example,
+    dates. frames: (n,) numbers of frames. place: the column of times.
     """
     assert reading.rate is not None
     try:

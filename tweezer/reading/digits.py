@@ -50,22 +50,25 @@ class Unmeasured(NamedTuple):
     """Rows whose positions were not measured."""
 
     marks: Rows
-    """(n,) those with the number that stands for a lost frame"""
+    """(n,) booleans: rows with a number that stands for a lost frame, such as 0 or -1"""
     repeated: Rows
-    """(n,) those that are the row before"""
+    """(n,) booleans: rows equal to the row before them"""
     between: Rows
-    """(n,) those that lie on the line between their neighbours"""
+    """(n,) booleans: rows on the straight line between their two neighbours"""
     said: tuple[str, ...]
-    """how many of each"""
+    """a phrase for each kind of row that was found, with its number, for notes and findings"""
 
     @property
     def copies(self) -> Rows:
-        """Rows that follow from their neighbours."""
+        """Rows (n,) that were copied or interpolated from their neighbours, not measured."""
         return self.repeated | self.between
 
 
 def unmeasured(positions: Array) -> Unmeasured:
-    """Return which rows of positions, (n, axes), were not measured, as their digits show."""
+    """Return which rows of positions, (n, axes), were not measured, as their digits show.
+
+    Marks of lost frames are searched in all axes together, then in each axis by itself.
+    """
     if np.isfinite(positions).all(axis=1).sum() < _SHORTEST:
         none = np.zeros(len(positions), bool)
         return Unmeasured(none, none, none, ())
@@ -86,19 +89,25 @@ def unmeasured(positions: Array) -> Unmeasured:
 
 
 def measured(times: Array, positions: Array) -> tuple[NDArray[np.int64], Array, Array, str]:
-    """Return the rows that are kept, their times and positions, and a note on what was done.
+    """Remove samples that were not measured from a recording.
 
-    Marks of lost frames and long stretches without motion become missing (NaN), and so do up to 5 %
-    of repeated or interpolated samples. If more are repeated and the others are even within half a
-    step, as those of a camera that is slower than its recorder, the others are the recording. Else
-    the samples stay as they are, for a finding to report.
+    Marks of lost frames and long stretches without motion become missing (NaN). Repeated or
+    interpolated samples become missing too if they are at most 5 % of all. If there are more, and
+    the other samples are evenly spaced within half a step (a camera slower than its recorder), only
+    the other samples are kept. Otherwise the samples stay as they are, for a finding to report.
 
     Parameters
     ----------
     times : ndarray, shape (n,)
-        s.
+        Times of the samples, s.
     positions : ndarray, shape (n, axes)
         Positions, NaN where a row has none.
+
+    Returns
+    -------
+    tuple
+        Indices of the rows that are kept, their times and positions, and a note on what was done
+        ("" if nothing was).
     """
     every = np.arange(len(positions))
     found = unmeasured(positions)
@@ -116,6 +125,7 @@ def measured(times: Array, positions: Array) -> tuple[NDArray[np.int64], Array, 
             notes += [each for each in found.said if "the same numbers" not in each]
         lost = lost | copies
     elif not lost.any() and len(kept) > 2 and np.isfinite(times).all():
+        # kept rows are even if their indices lie on a line: `slope` recorder steps per new sample
         slope, start = np.polyfit(np.arange(len(kept)), kept, 1)
         if np.abs(kept - start - slope * np.arange(len(kept))).max() <= 0.5 + _WHOLE:
             step = float(times[-1] - times[0]) / (len(times) - 1)
@@ -129,7 +139,11 @@ def measured(times: Array, positions: Array) -> tuple[NDArray[np.int64], Array, 
 
 
 def step_of(values: Array) -> float:
-    """Return the step of which all values are whole multiples; 0 for values without one."""
+    """Return the resolution of a recording: the step of which all values are whole multiples.
+
+    Returns 0 if no such step exists. The step, in the unit of the values, is the smallest gap
+    between distinct values, averaged over all gaps.
+    """
     distinct = np.unique(_some(values[np.isfinite(values)]))
     if len(distinct) < 2:
         return 0.0
@@ -145,7 +159,11 @@ def step_of(values: Array) -> float:
 
 
 def copied(positions: Array) -> str:
-    """Say which rows are a copy of earlier ones; "" if none are.
+    """Return a sentence on rows that are a copy of earlier ones, or "" if there are none.
+
+    A copy exists if, at one lag (a number of rows between original and copy), far more rows are
+    equal than at the next lag, where equality is chance. The lag is the most frequent distance
+    between equal positions around 50 probe rows.
 
     Parameters
     ----------
@@ -171,12 +189,20 @@ def copied(positions: Array) -> str:
 
 
 def _share(rows: Rows, n: int) -> str:
+    """Return how many of `n` rows are set: as numbers below 1 %, else as a percentage."""
     count = int(rows.sum())
     return f"{count:,} of {n:,}" if count < 0.01 * n else f"{100 * count / n:.2g} % of the"
 
 
 def _marks(positions: Array) -> tuple[Rows, list[str]]:
-    """Rows with a mark of a lost frame: the same numbers in all axes, again and again."""
+    """Find the rows of `positions`, (n, axes), that have a mark of a lost frame.
+
+    A mark is one set of numbers, such as (0, 0), that occurs far more often than the values around
+    it, and lies among the positions or far outside them, but not at the end of their range. Up to
+    three marks are found, the most frequent first. A stretch of equal rows counts once.
+
+    Returns the rows, (n,) booleans, and a phrase for each mark.
+    """
     n = len(positions)
     found, said = np.zeros(n, bool), []
     finite = np.isfinite(positions).all(axis=1)
@@ -186,7 +212,8 @@ def _marks(positions: Array) -> tuple[Rows, list[str]]:
             break
         begins = rest & ~(np.concatenate([[False], _same_as_before(positions)]))
         rows = _some(positions[begins])
-        # a number for each row, as one of irrational parts is in practice
+        # Rows are counted by one number each, a sum of the coordinates with irrational factors,
+        # which differs for different rows and is faster to sort than rows
         _, first, counts = np.unique(
             rows @ _PARTS[: rows.shape[1]], return_index=True, return_counts=True
         )
@@ -197,6 +224,8 @@ def _marks(positions: Array) -> tuple[Rows, list[str]]:
         others = positions[rest & (positions != mark).any(axis=1)]
         if not len(others):
             break
+        # Chance: rows in the box of neighbouring values about the mark, over the cells of this box.
+        # An axis with too few distinct values cannot be tested, and leaves the box as it is
         near, cells, edge = np.ones(len(others), bool), 1, False
         for column, value in zip(others.T, mark, strict=True):
             outside = value >= column.max() or value <= column.min()
@@ -221,11 +250,18 @@ def _marks(positions: Array) -> tuple[Rows, list[str]]:
 
 
 def _same_as_before(positions: Array) -> Rows:
+    """Return whether each row but the first equals its predecessor, as (n - 1,) booleans."""
     return np.asarray((positions[1:] == positions[:-1]).all(axis=1))
 
 
 def _repeated(positions: Array, without: Rows) -> Rows:
-    """Rows that equal the one before in all axes, more often than chance allows."""
+    """Return the rows that equal their predecessor in all axes, if chance does not explain them.
+
+    The number expected by chance is taken from moves of up to three digits, which are as probable
+    as no move. Returns no rows if there are not far more than that.
+
+    positions: (n, axes). without: (n,) booleans, rows that are left out, such as marks.
+    """
     none = np.zeros(len(positions), bool)
     same = np.concatenate([[False], _same_as_before(positions)]) & ~without
     for column in positions.T if same.any() else ():  # a range that ends there also repeats
@@ -234,6 +270,8 @@ def _repeated(positions: Array, without: Rows) -> Rows:
                 same &= column != end
     if same.sum() <= _LEAST:
         return none
+    # A move of at most _NEAR distinct values in each axis falls into one of `cells` equally
+    # probable cells, one of which is no move. An axis with coarse digits cannot be tested
     near, cells = np.ones(len(positions) - 1, bool), 1
     for column in positions.T:
         moves = np.diff(np.unique(column, return_inverse=True)[1].astype(np.int64))
@@ -245,10 +283,19 @@ def _repeated(positions: Array, without: Rows) -> Rows:
 
 
 def _between(positions: Array, without: Rows) -> Rows:
-    """Rows on the line between their neighbours in all axes, more often than chance allows."""
+    """Return the rows on the line between their neighbours, if chance does not explain them.
+
+    A row is on the line if its second difference is zero within rounding in all axes. The number
+    expected by chance is taken from rows within five times that distance. Returns no rows if there
+    are not far more than that.
+
+    positions: (n, axes). without: (n,) booleans, rows that are left out, such as marks.
+    """
     exact, near = np.ones(len(positions), bool), np.ones(len(positions), bool)
     exact[[0, -1]] = near[[0, -1]] = False
     exact[1:-1] &= (positions[2:] != positions[:-2]).any(axis=1)
+    # `inside`: bound on the second difference of three numbers on a line, in steps of the digits:
+    # rounding each to half a step adds up to 2. `levels`: axes with digits fine enough for the test
     inside, levels = 2.1, 0
     for column in positions.T:
         bends = np.diff(column, 2)
@@ -267,12 +314,15 @@ def _between(positions: Array, without: Rows) -> Rows:
 
 
 def _some(rows: Array) -> Array:
-    """Some of many rows, evenly spread."""
+    """Return every k-th row, so that at most about 40,000 of many rows are left for sorting."""
     return rows[:: max(len(rows) // _LOOKED_AT, 1)]
 
 
 def _long(rows: Rows) -> Rows:
-    """Return the rows that are in a row with more others than gaps that are filled in."""
+    """Return the rows that lie in stretches of more than `LONGEST` consecutive True.
+
+    Gaps of up to `LONGEST` samples can be filled in; these cannot. Both are (n,) booleans.
+    """
     edges = np.flatnonzero(np.diff(np.concatenate([[False], rows, [False]])))
     found = np.zeros(len(rows), bool)
     for first, end in zip(edges[::2], edges[1::2], strict=True):

@@ -1,4 +1,4 @@
-"""Samples that are missing, drawn from what their neighbours tell of them."""
+"""Missing samples of a recording, drawn at random given their neighbours."""
 
 from __future__ import annotations
 
@@ -13,32 +13,36 @@ from tweezer.reading.table import Array
 
 #: Largest number of missing samples in a row that are filled in
 LONGEST = 10
-#: Number of samples on either side of a gap that tell of it
+#: Number of samples on either side of a gap on which its samples are conditioned
 _NEIGHBOURS = 4
-#: Eigenvalue over the largest, below which neighbours tell nothing more
+#: Eigenvalue of the neighbours' covariance over the largest, below which it is rounding
 _ALIKE = 1e-12
-#: Number of times that the correlations are taken of the record as it is filled in
+#: Number of passes; each computes the correlations from the record as the last one filled it in
 _PASSES = 3
 
 
 class _Rule(NamedTuple):
-    """How the samples of a gap follow from those around it."""
+    """Conditional normal distribution of the samples in a gap, given the samples around it.
+
+    With m samples in the gap and k known neighbours, a draw is `weights @ neighbours + scatter @ n`
+    with m independent standard normal numbers n.
+    """
 
     weights: Array
-    """(gap, neighbours), of the mean"""
+    """(m, k): factors of the neighbours in the conditional mean"""
     scatter: Array
-    """(gap, gap): with independent normal numbers, what is about the mean"""
+    """(m, m): square root of the conditional covariance, in the unit of the samples"""
 
 
 def filled(column: Array, there: NDArray[np.bool_]) -> Array:
-    """The column with a draw for each sample that is not there.
+    """Return a recorded column, (n,), with its missing samples replaced by random draws.
 
-    The draws are of the normal distribution that the samples around leave, with the correlations of
-    the record itself (simulation conditional on neighbours: J.-P. Chilès and P. Delfiner,
-    Geostatistics, 2012). So variances and spectra stay as they are on average, where a straight
-    line would take thermal motion away.
+    The draws are from the normal distribution conditional on the neighbouring samples, with the
+    correlations of the record itself (J.-P. Chilès and P. Delfiner, Geostatistics, 2012). They
+    preserve variances and spectra on average; a straight line would remove thermal motion.
 
-    Gaps are of at most `LONGEST` samples, and the first and the last sample are there.
+    there: (n,) booleans, False for missing samples. Gaps must have at most `LONGEST` samples, and
+    the first and the last sample must be there.
     """
     seed = zlib.crc32(column[there].tobytes())  # the same record is filled in the same way
     places, mean = np.arange(len(column)), np.mean(column[there])
@@ -49,13 +53,19 @@ def filled(column: Array, there: NDArray[np.bool_]) -> Array:
 
 
 def _draw(values: Array, there: NDArray[np.bool_], normal: np.random.Generator) -> None:
-    """Draw the values that are not there, by the correlations of all."""
+    """Replace the missing samples of `values`, (n,), in place by draws given their neighbours.
+
+    The covariance comes from all of `values`, which must have zero mean and a first guess where
+    samples are missing. Gaps are filled from left to right; a filled gap counts as known for the
+    next. there: (n,) booleans, False for missing samples. normal: source of random numbers.
+    """
     windows = sliding_window_view(values, 2 * _NEIGHBOURS + LONGEST)
     covariance = windows.T @ windows / len(windows)
     known, edges = there.copy(), np.flatnonzero(np.diff(there))
     rules: dict[tuple[bytes, int], _Rule] = {}
     for first, end in zip(edges[::2] + 1, edges[1::2] + 1, strict=True):
         around = slice(max(0, first - _NEIGHBOURS), end + _NEIGHBOURS)
+        # gaps of the same length with the same known neighbours share one rule
         key = known[around].tobytes(), first - around.start
         if key not in rules:
             gap = np.arange(first, end) - around.start
@@ -67,6 +77,12 @@ def _draw(values: Array, there: NDArray[np.bool_], normal: np.random.Generator) 
 
 
 def _rule(covariance: Array, neighbours: NDArray[np.int64], gap: NDArray[np.int64]) -> _Rule:
+    """Return the distribution of the samples in a gap conditional on its neighbours.
+
+    covariance: of the samples in a window, by their offset in it. neighbours, gap: offsets of the
+    known samples and of the missing ones. Eigenvalues that are rounding are left out of the
+    inverse, because neighbours of a smooth record are nearly dependent.
+    """
     across = covariance[np.ix_(gap, neighbours)]
     sizes, directions = np.linalg.eigh(covariance[np.ix_(neighbours, neighbours)])
     sure = sizes > _ALIKE * sizes[-1]

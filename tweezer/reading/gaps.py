@@ -10,9 +10,9 @@ from tweezer.values.errors import ResultError, TooFewError
 
 #: Largest fraction of samples that are filled in
 _FILLED = 0.05
-#: Deviation of a step from the usual one, over it, beyond which it is another
+#: Relative deviation of a time step from the median step, beyond which it is a different step
 _UNEVEN = 0.1
-#: Fraction of steps that are others, beyond which times are uneven rather than with gaps
+#: Fraction of different steps, beyond which times are uneven rather than interrupted by gaps
 _OFTEN = 0.2
 #: Deviation of a longer step from a whole number of steps, beyond which samples are not filled in
 _OFF = 0.2
@@ -21,15 +21,30 @@ _OFF = 0.2
 def without_gaps(
     name: str, times: Array, columns: Array, least: int, straight: int = 0
 ) -> tuple[Array, Array, str]:
-    """Times (n,) and columns (n, k) without gaps, and what was done about them.
+    """Return the times (n,) and columns (n, k) of a recording without gaps, and a note.
 
-    A row that has no time, or lacks a column, is missing; so are rows where the time leaps. Those
-    at the beginning and the end are left out. Gaps of up to 10 samples, of up to 5 % of the record
-    together, are filled in (`filled`). Otherwise the longest stretch without a gap is taken.
+    A row is missing if its time or one of its columns is NaN, or if the time leaps over it. Missing
+    rows at the beginning and the end are left out. Gaps of up to 10 samples are filled in
+    (`filled`) if all gaps together are at most 5 % of the record. Otherwise the longest stretch
+    without a gap is returned. Uneven times are returned as they are; the caller refuses them.
 
-    straight: number of columns at the end, of a stage, that are filled in by straight lines.
+    Parameters
+    ----------
+    name : str
+        Name of the recording in messages.
+    times : ndarray, shape (n,)
+        s.
+    columns : ndarray, shape (n, k)
+        Positions, then the columns of a stage.
+    least : int
+        Smallest number of samples that the result may have.
+    straight : int
+        Number of the last columns, those of a stage, that are filled in by straight lines.
 
-    Raises `TooFewError` if that has fewer than `least` samples.
+    Raises
+    ------
+    TooFewError
+        If the longest stretch has fewer than `least` samples.
     """
     dated = ~np.isnan(times)
     there = dated & ~np.isnan(columns).any(axis=1)
@@ -49,7 +64,7 @@ def without_gaps(
     uneven = (off > _UNEVEN * usual).sum() > _OFTEN * len(off)
     if not (steps > 0).all() or not np.isfinite(times).all() or uneven:
         return times[there], columns[there], "; ".join(notes)  # refused by who takes them
-    leaps = np.maximum(np.rint(steps / usual), 1.0)
+    leaps = np.maximum(np.rint(steps / usual), 1.0)  # sampling intervals from each row to the next
     if there.all() and (leaps == 1).all():
         return times, columns, "; ".join(notes)
     whole = bool((np.abs(steps / usual - leaps)[leaps > 1] <= _OFF).all())
@@ -81,7 +96,11 @@ def without_gaps(
 
 
 def _longest(there: np.ndarray, leaps: Array) -> tuple[int, int]:
-    """Begin and end of the longest stretch of rows that are there, each a step after the other."""
+    """Return the range [first, end) of the longest stretch of rows without a gap.
+
+    there: (n,) booleans, False for missing rows. leaps: (n - 1,) sampling intervals from each row
+    to the next; 1 where no row is missing between them.
+    """
     joined = there[1:] & there[:-1] & (leaps == 1)
     ends = np.flatnonzero(np.concatenate([~joined, [True]])) + 1
     begins = np.concatenate([[0], ends[:-1]])

@@ -1,4 +1,4 @@
-"""What the heading of a column says: which quantity it has, and in what unit."""
+"""Quantity and unit of a column, from the words in its heading."""
 
 from __future__ import annotations
 
@@ -47,23 +47,24 @@ _JOINED = re.compile(r"(?:(?P<before>[a-z]{3,12})[xyz]|[xyz](?P<after>[a-z]{3,12
 
 
 class Heading(NamedTuple):
-    """What a heading names."""
+    """Quantity and unit that the heading of a column names."""
 
     quantity: str | None
-    """t, x, y, z; frame: the number of a frame; bead: what tells beads apart; None: another"""
+    """"t", "x", "y", "z", "frame" (number of a frame), "bead" (label of a bead) or "drive" (stage);
+    None for anything else"""
     unit: str | None = None
-    """as it is written; None without one"""
+    """unit as it is written, such as "um"; None without one"""
     plain: bool = False
-    """whether no other words stand beside the quantity, so that it comes before those with"""
+    """whether the heading has no words beside the quantity; such a column is preferred"""
     assumed: str | None = None
-    """unit that a word says, where none is written"""
+    """unit implied by a word where none is written: "V" for "x voltage\""""
 
 
 def understood(heading: str) -> Heading:
-    """What the heading names.
+    """Return the quantity and the unit that a heading names.
 
-    A quantity, perhaps with words such as position or elapsed, in capitals or not; then its unit,
-    if any: in brackets, behind a slash, or behind a space or an underscore.
+    The quantity may have words such as position or elapsed beside it, in capitals or not. A unit
+    follows in brackets, after a slash, or after a space or an underscore.
     """
     text = heading.strip(AROUND)
     if not text or len(text) > 200:
@@ -82,7 +83,7 @@ def understood(heading: str) -> Heading:
 
 
 def _split(text: str) -> tuple[str, str | None]:
-    """The name, and the unit in brackets or behind a slash."""
+    """Return the name in a heading, and its unit in brackets or after a slash; None without one."""
     if text.endswith(("]", ")")):
         name, opening, unit = text[:-1].rpartition("[" if text.endswith("]") else "(")
         if opening and name:
@@ -94,6 +95,7 @@ def _split(text: str) -> tuple[str, str | None]:
 
 
 def _quantity(words: list[str]) -> Heading:
+    """Return the quantity that the words of a heading, in small letters, name; without its unit."""
     of = set(words)
     if words and words[0] in _BEADS and len(words) <= 2 and of - {words[0]} <= _OF_FRAMES:
         return Heading("bead")
@@ -141,7 +143,10 @@ def of_a_spectrum(heading: str, beside: str | None) -> str | None:
 
 
 def of_the_drive(heading: str, name: str) -> Heading | None:
-    """The heading of the motion of the stage, called `name`; None for another heading."""
+    """Return the heading as that of the stage's motion if it is `name`, perhaps with a unit.
+
+    Returns None for another heading.
+    """
     text = heading.strip(AROUND)
     if not text.lower().startswith(name.lower()):
         return None
@@ -153,7 +158,7 @@ def of_the_drive(heading: str, name: str) -> Heading | None:
 
 
 def is_unit(text: str, quantity: str) -> bool:
-    """Whether a column of that quantity may be in the unit `text`."""
+    """Return whether a column of a quantity, such as "x", may be in the unit `text`."""
     try:
         factor_of(text, quantity)
     except (KeyError, ValueError):  # a number of frames has no unit
@@ -162,9 +167,10 @@ def is_unit(text: str, quantity: str) -> bool:
 
 
 def factor_of(unit: str, quantity: str) -> tuple[float, str]:
-    """Factor from `unit` to s, m, V or pixels, and which of them.
+    """Return the factor that converts `unit` to s, m, V or pixels, and the name of that unit.
 
-    Raises `ValueError`, saying what is allowed, for another unit.
+    quantity: that of the column, such as "x". Raises `ValueError`, with the allowed units, for a
+    unit that does not belong to it.
     """
     if quantity in AXES and unit.lower() in _PIXELS:
         return 1.0, PIXEL

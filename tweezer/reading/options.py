@@ -1,4 +1,4 @@
-"""How a file is to be read, where its headings do not say it: columns, rate and scale."""
+"""Options for reading a file whose headings do not suffice: columns, rate and scale."""
 
 from __future__ import annotations
 
@@ -24,37 +24,40 @@ _PER_SECOND = re.compile(r"(?P<number>.*?[0-9.])\s*(?:fps|/\s*s|1/s|frames\s*/\s
 
 
 class Chosen(NamedTuple):
-    """A column, as it is chosen."""
+    """A column that the user chose for a quantity, by its number or by its heading."""
 
     quantity: str
     """t, frame, bead, x, y or z"""
     place: int | None
-    """number of the column, from 0"""
+    """number of the column, from 0; None if it is chosen by its heading"""
     heading: str = ""
-    """its heading, where no number is given"""
+    """heading of the column; "" if it is chosen by its number"""
     unit: str | None = None
+    """unit that the user gave with it, as it is written"""
 
 
 class Scale(NamedTuple):
-    """Length of a pixel or of a volt."""
+    """Length that a pixel or a volt stands for."""
 
     metres: float
+    """length, m"""
     of: str
-    """"px" or "V\""""
+    """unit that has this length: "px" or "V\""""
 
 
 @dataclass(frozen=True)
 class Reading:
-    """How a file is to be read."""
+    """Options of the user for reading a file."""
 
     columns: tuple[Chosen, ...] = ()
-    """those to be read; empty: by their headings"""
+    """columns to be read; if empty, they are found by their headings"""
     in_order: int = 0
-    """number of the columns that are named in their order; 0: none is"""
+    """number of columns in --columns if it names all of them in file order; 0 if it names each
+    by heading or number"""
     rate: float | None = None
-    """Hz, of the rows, or of the frames that a column counts"""
+    """rate of the rows, or of the frames that a column counts, Hz"""
     scale: Scale | None = None
-    """of positions in pixels or volts"""
+    """length of a pixel or volt, for positions in these units"""
     drive: str | None = None
     """heading, without its unit, of the column with the motion of the stage"""
     bead: str | None = None
@@ -69,9 +72,9 @@ class Reading:
         drive: str | None = None,
         bead: str | int | None = None,
     ) -> Self:
-        """How to read a file, as it is said in `load_recording`.
+        """Return the options from arguments in the forms that `load_recording` takes.
 
-        Raises `ResultError`, naming the option, for what cannot be understood.
+        Raises `ResultError`, naming the option, for a value that cannot be understood.
         """
         chosen, in_order = ((), 0) if columns is None else _columns(columns)
         return cls(
@@ -84,7 +87,7 @@ class Reading:
 
     @property
     def given(self) -> list[str]:
-        """Options that say how a table is to be read."""
+        """Names of the options for tables that the user gave."""
         by_name = {
             "columns": self.columns, "rate": self.rate, "scale": self.scale, "bead": self.bead,
         }  # fmt: skip
@@ -94,7 +97,10 @@ class Reading:
 def _columns(
     given: str | Sequence[str] | Mapping[str, str | int],
 ) -> tuple[tuple[Chosen, ...], int]:
-    """Those to be read, and how many are named in their order."""
+    """Return the columns chosen by --columns, and the number named in file order.
+
+    That number is 0 if each column is chosen by its heading or number.
+    """
     if isinstance(given, Mapping):
         entries = [f"{name}={place}" for name, place in given.items()]
     else:
@@ -126,11 +132,13 @@ def _columns(
 
 
 def _in_order(index: int, entry: str) -> Chosen:
+    """Return the column number `index`, from 0, that an entry such as "x [um]" names."""
     found = understood(entry)
     return Chosen(_known(found.quantity, entry), index, unit=found.unit)
 
 
 def _chosen(name: str, place: str) -> Chosen:
+    """Return the column for the quantity `name` at `place`: "4", "4 [um]" or a heading."""
     quantity, place = _known(understood(name).quantity, name), place.strip()
     number = re.fullmatch(r"([0-9]{1,9})\s*(?:[\[(]([^\[\]()]*)[\])])?", place)
     if number is None:
@@ -141,6 +149,7 @@ def _chosen(name: str, place: str) -> Chosen:
 
 
 def _known(quantity: str | None, text: str) -> str:
+    """Return the quantity, or raise `ResultError` if a table has none such. text: as given."""
     if quantity not in _QUANTITIES:
         raise ResultError(
             f"columns: {text!r} is not known; must be t, frame, bead, x, y or z, perhaps with a "
@@ -150,6 +159,7 @@ def _known(quantity: str | None, text: str) -> str:
 
 
 def _rate(given: QuantityLike) -> float:
+    """Return a rate in Hz, from a number, a quantity such as "2 kHz", or "100 fps"."""
     try:
         if isinstance(given, str) and (match := _PER_SECOND.fullmatch(given.strip())):
             given = f"{match['number']} Hz"
@@ -159,7 +169,10 @@ def _rate(given: QuantityLike) -> float:
 
 
 def _scale(given: QuantityLike) -> Scale:
-    """Such as 8.58e-8, "85.8 nm", "85.8 nm/px", "11.66 px/um", "0.5 um/V" or "2 V/um"."""
+    """Return the length of a pixel or volt that a text or number gives.
+
+    Examples are 8.58e-8, "85.8 nm", "85.8 nm/px", "11.66 px/um", "0.5 um/V" and "2 V/um".
+    """
     above, _, below = re.sub(r" per | ?/ ?", "/", " ".join(as_given(given).split())).partition("/")
     try:
         match = _NUMBER.fullmatch(above)

@@ -43,7 +43,7 @@ def in_order(
     without : str
         The option that reads the same columns without the stamps, as `x=Bead 1`.
     rate : float or None
-        That of the rows, Hz, where it is given.
+        Sampling rate, Hz, if the user gives it.
 
     Raises
     ------
@@ -121,4 +121,5 @@ def refuse_another_order(name: str, column: str, stamps: Array, way: str) -> Non
 
 
 def _same(first: Array, second: Array) -> NDArray[np.bool_]:
+    """Return which elements are equal in both arrays, where NaN equals NaN."""
     return np.asarray((first == second) | (np.isnan(first) & np.isnan(second)))

@@ -26,20 +26,20 @@ _RATES = {
 
 @dataclass(frozen=True)
 class Column:
-    """A column, before its numbers are read."""
+    """A column of a table, before its numbers are read."""
 
     name: str
-    """unique in its file"""
+    """its name with the groups of the file that contain it, unique in the file"""
     heading: str
-    """what is said to be in it: the last part of its name"""
+    """last part of the name, which may say the quantity and its unit: "x [um]\""""
     unit: str | None = None
-    """given beside the heading"""
+    """unit given beside the heading, as in an attribute or a line of units"""
     step: float | None = None
-    """s, between its rows, as the file says"""
+    """sampling interval that the file states, s; None if it states none"""
     note: str = ""
-    """what was done to its numbers"""
+    """what was done to its numbers; "" for nothing"""
     samples: int = 0
-    """its length, where the file tells it"""
+    """number of its samples; 0 if it is known only after reading"""
 
     @property
     def group(self) -> str:
@@ -49,25 +49,30 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """The columns of a file."""
+    """The columns of a file, and functions that read their content."""
 
     name: str
     """of the file"""
     columns: Sequence[Column]
     numbers: Callable[[Sequence[int]], list[Array]]
-    """of the columns with those places"""
+    """function that reads the columns with these numbers, from 0; each is an array (n,)"""
     headed: bool = True
     """whether its columns have headings"""
     rate_beside: str = ""
     """a number of the file that may be its rate: "fs = 10000\""""
     labels: Callable[[int], list[str]] | None = None
-    """of the cells of a column as text; None: columns have numbers alone"""
+    """function that reads the cells of a column, by its number, as text; None if all columns
+    contain numbers"""
 
 
 def columns_of(
     name: str, heading: str, shape: Sequence[int], unit: str | None = None
 ) -> list[Column]:
-    """The columns of an array of that shape: one, or those of its rows; none if it is no table."""
+    """Return the columns of an array of one dimension or of two; none if it is no table.
+
+    The longer axis of two counts samples, the shorter one columns. name, heading, unit: of the
+    array; columns of several are numbered, as "name:1". shape: of the array.
+    """
     samples = max(shape, default=0)
     if len(shape) == 1 or (len(shape) == 2 and min(shape) == 1 < samples):
         return [Column(name, heading, unit, samples=samples)]
@@ -88,7 +93,7 @@ def refuse_too_long(file: str, name: str, samples: int) -> None:
 
 
 def column_of(array: NDArray[Any], column: int) -> Array:
-    """A column of an array of rows. Its longer axis is that of the rows."""
+    """Return the column with this number, (n,), of an array with samples along its longer axis."""
     if min(array.shape) == 1:
         array = array.ravel()
     if array.ndim == 2 and array.shape[0] < array.shape[1]:
@@ -97,7 +102,7 @@ def column_of(array: NDArray[Any], column: int) -> Array:
 
 
 def rate_among(scalars: dict[str, float]) -> str:
-    """The number that is called a rate, as it is written; nothing if none is."""
+    """Return the first number whose name means a sampling rate, as "fs = 10000"; "" for none."""
     for name, value in scalars.items():
         if "".join(each for each in last_part(name).lower() if each.isalpha()) in _RATES:
             return f"{name} = {value:g}"
@@ -105,5 +110,5 @@ def rate_among(scalars: dict[str, float]) -> str:
 
 
 def last_part(name: str) -> str:
-    """The name without those of the groups that it is in."""
+    """Return a name without the groups that precede it: "x" for "group/bead.x"."""
     return name.rpartition("/")[2].rpartition(".")[2]

@@ -1,4 +1,4 @@
-"""Times of rows, where a rate is given beside them."""
+"""Times of the rows of a recording for which the user also gives a sampling rate."""
 
 from __future__ import annotations
 
@@ -7,19 +7,23 @@ import numpy as np
 from tweezer.reading.table import Array
 from tweezer.values.errors import ResultError
 
-#: Largest deviation of the rate from that of a column of times, over it
+#: Largest relative deviation of the given rate from the rate of the column of times
 _RATE_OFF = 0.05
-#: That beyond which it is said
+#: Relative deviation above which a note reports it
 _RATE_SAID = 1e-3
 
 
 def at_even_times(name: str, times: Array, rate: float) -> tuple[Array, str]:
-    """The times of samples at that rate, whose stamps are `times`: whole steps after the first.
+    """Return even times for samples that have time stamps and a given rate, and a note.
 
-    And what is to be said about the rate. Raises `ResultError` where the two do not agree.
+    Each time is a whole number of sampling intervals after the first stamp, the nearest to its
+    stamp. The note is "" if the stamps have the same rate. Raises `ResultError` if stamps and rate
+    disagree.
+
+    name: of the recording, for messages. times: (n,) stamps, s; NaN where missing. rate: Hz.
     """
     dated = np.isfinite(times)
-    steps = np.diff(times[dated]) * rate
+    steps = np.diff(times[dated]) * rate  # in sampling intervals, so 1 if stamps and rate agree
     if not len(steps):
         return times, ""
     single = steps[steps < 1.5]  # those over no missing samples
@@ -37,9 +41,12 @@ def at_even_times(name: str, times: Array, rate: float) -> tuple[Array, str]:
 
 
 def of_frames(name: str, frames: Array, times: Array, rate: float) -> str:
-    """What is to be said about frames at that rate, beside which the file has `times`.
+    """Compare numbers of frames at a given rate with the times beside them, and return a note.
 
-    Raises `ResultError` where the two do not agree.
+    The note is "" if they agree. Raises `ResultError` if they disagree.
+
+    name: of the recording, for messages. frames: (n,) numbers of frames. times: (n,) s. rate: of
+    the frames, Hz.
     """
     both = np.isfinite(frames) & np.isfinite(times)
     steps = np.abs(np.diff(times[both]))
@@ -53,9 +60,12 @@ def of_frames(name: str, frames: Array, times: Array, rate: float) -> str:
 
 
 def _compared(name: str, found: float, rate: float, finest: float, way: str) -> str:
-    """What is to be said of a rate beside the one `found`, known to `finest` of it.
+    """Compare a given rate, Hz, with the rate `found` from times, and return a note.
 
-    way: columns that are read where the times are wrong.
+    The note is "" if the two agree within `finest`, the relative resolution of `found`. Raises
+    `ResultError` if they differ by more than 5 % beyond it.
+
+    way: text for --columns in that message, to read the file without its times.
     """
     off = abs(rate / found - 1) if found else np.inf
     if off > _RATE_OFF + finest:

@@ -26,24 +26,26 @@ _PER_DECADE = 3
 
 @dataclass(frozen=True)
 class Tuned:
-    """One scaling factor."""
+    """Cost and error of a run of the scaled model (4.17) with one scaling factor."""
 
     scaling_factor: float
-    """a2"""
+    """a2; the scaled model divides the inertia of the bead by it, and 1 scales nothing"""
     deviation: float | None
-    """largest distance to the unscaled response at any time, m, from the dense output of both; None
-    if the run failed"""
+    """largest distance between the scaled and the unscaled bead at the same time, m, from the dense
+    output of both; None if the run failed"""
     deviation_error: float | None
-    """its error, m, by integrating both responses to tighter tolerances; None if one of these runs
-    failed, or if tighter tolerances do not change the steps"""
+    """error of `deviation`, m, from integrating both to tighter tolerances; None if one of these
+    runs failed, or if tighter tolerances do not change the steps"""
     steps: int
+    """number of integration steps"""
     force_calls: int
+    """number of evaluations of the force"""
     seconds: float
     """run time, s, compiled"""
 
     @property
     def off(self) -> str:
-        """The deviation in words."""
+        """Deviation and its error in words, in micrometres, or "failed"."""
         if self.deviation is None:
             return "failed"
         return located(self.deviation, self.deviation_error, "um")
@@ -98,7 +100,7 @@ class Tuning(Shown):
         return Table(headings, rows)
 
     def most_scaling_within(self, deviation: float) -> Tuned | None:
-        """The entry of smallest a2, that is most scaling, that deviates by no more than this, m."""
+        """Return the entry of smallest a2 whose deviation is at most `deviation`, m, or None."""
         within = [
             entry
             for entry in self.entries
@@ -163,21 +165,23 @@ def scaled_scenes(scene: Scene, factors: Sequence[float] | None, method: str) ->
 
 
 def _epsilon(scene: Scene) -> float:
-    """m/beta_v (4.6) in the thesis's unit of time."""
+    """Return epsilon (4.6): the velocity relaxation time m/beta_v in the thesis's unit of time."""
     return bound_once(scene).relaxation_time / RATE_TIME
 
 
 @dataclass(frozen=True)
 class _Response:
-    """A motion and its cost."""
+    """A deterministic run of a scene from its release, and its cost."""
 
     run: Integration
     error: float | None
-    """m"""
+    """largest distance to the run with tighter tolerances, m; None if it is not known"""
     seconds: float
+    """wall-clock time of the run, s"""
 
 
 def _response(scene: Scene) -> _Response:
+    """Integrate a scene, time it, and estimate its error by a second run to tighter tolerances."""
     equations = bind(scene)
     times = np.array([0.0, scene.simulation.duration])
     _uninterrupted(integrate(equations, times * 1e-3))  # compiles, untimed
@@ -194,13 +198,18 @@ def _response(scene: Scene) -> _Response:
 
 
 def _uninterrupted(run: Integration) -> Integration:
+    """Return the run, or raise `KeyboardInterrupt` if it was interrupted by Ctrl-C."""
     if run.status == "interrupted":
         raise KeyboardInterrupt
     return run
 
 
 def _tuned(factor: float, response: _Response, exact: _Response) -> Tuned:
-    """Cost of a response, and its distance from the exact one."""
+    """Return the cost of the scaled response with a2 = `factor`, and its distance from `exact`.
+
+    exact: response of the unscaled equations. The error is the sum of both integration errors and
+    that of the distance itself.
+    """
     run, deviation, error = response.run, None, None
     assert exact.run.path is not None
     if run.path is not None:

@@ -10,11 +10,12 @@ from typing import Any, get_args
 from tweezer.scene.courses import Section
 from tweezer.scene.sections import ALTERNATIVES, BELONGING, NAMED, WITHIN_LAYERS
 
-#: the key that a scene has in place of one that says the same
+#: Key that a section stores when the scene file gives its alternative, such as ("bead", "diameter")
+#: -> "radius" and ("beam", "waist") -> "sigma"; lengths are stored as half of the alternative
 HALVES = {(section, other): key for section, pairs in ALTERNATIVES.items() for key, other in pairs}
 #: One of several beams, counted from 1
 NUMBERED = re.compile(r"beam\[([1-9][0-9]*)\]")
-#: what people call keys of a scene, by section
+#: Words that people use for keys of a scene, by section
 FAMILIAR = {
     "bead": {
         "size": "diameter", "d": "diameter", "a": "radius", "r": "radius", "n": "refractive_index",
@@ -38,7 +39,10 @@ def familiar(section: str, name: str) -> str:
 
 
 def nearest_key(section: str, name: str, keys: Iterable[str]) -> list[str]:
-    """Return the key of a section that an unknown one probably means, if any, in a list."""
+    """Return a list with the key that an unknown `name` probably means, or an empty list.
+
+    section: its kind. keys: those that the section stores; their alternatives are considered too.
+    """
     if (key := familiar(section, name)) != name:
         return [key]
     halves = [key for pair in ALTERNATIVES.get(section, ()) for key in pair]
@@ -46,19 +50,25 @@ def nearest_key(section: str, name: str, keys: Iterable[str]) -> list[str]:
 
 
 def section_of(annotation: Any) -> Any:
-    """The section within annotations such as `Motion | None` or `tuple[Beam, ...]`."""
+    """Return the class of section in a type such as `Motion | None` or `tuple[Beam, ...]`.
+
+    Returns None for the type of a plain value.
+    """
     if isinstance(annotation, type) and issubclass(annotation, Section):
         return annotation
     return next(filter(None, map(section_of, get_args(annotation))), None)
 
 
 def kind_of(section: str) -> str:
-    """Return the kind of a section: beam[2] is a beam."""
+    """Return the kind of a section from its name: "beam" for "beam[2]", else the name itself."""
     return "beam" if NUMBERED.fullmatch(section) else section
 
 
 def by_key(scene: Mapping[str, Any]) -> dict[str, Any]:
-    """The values of a scene as a mapping, by `section.key`; of several beams by `beam[1].key`."""
+    """Return the values of a scene by `section.key`, and those of several beams by `beam[1].key`.
+
+    scene: its sections as mappings, by name, as TOML or JSON have them.
+    """
     sections = dict(scene.items())
     if more := sections.pop("more_beams", ()):
         beams = sections.pop("beam"), *more
@@ -72,7 +82,11 @@ def by_key(scene: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def changed_section(before: Any, section: str, changes: Any) -> Any:
-    """A section of a scene as a mapping, with changes; of another form, the changes."""
+    """Return a section of a scene with changes, without the keys that the changes displace.
+
+    before, changes: mappings of keys to values. If one of them is something else, such as a list
+    of beams, the changes replace the section.
+    """
     if not isinstance(changes, Mapping) or not isinstance(before, dict):
         return changes
     kept = {key: value for key, value in before.items() if not _displaced(key, section, changes)}
@@ -80,14 +94,21 @@ def changed_section(before: Any, section: str, changes: Any) -> Any:
 
 
 def _within(before: Any, change: Any) -> Any:
-    """A section within a section, changed; one of another kind takes its place."""
+    """Return a section within a section with changes to its keys, or `change` in its place.
+
+    It is replaced if the change names a kind, such as another kind of motion, or is no mapping.
+    """
     if isinstance(change, Mapping) and isinstance(before, dict) and "kind" not in change:
         return {**before, **change}
     return change
 
 
 def _displaced(key: str, section: str, changes: Mapping[str, Any]) -> bool:
-    """Whether `changes` to a section leave no room for a `key` that was there."""
+    """Return whether `changes` to a section displace a `key` that it has.
+
+    A new diameter displaces the radius, a new material its old index and density, and layers the
+    keys of a homogeneous bead. A new choice displaces the keys that belong to other choices.
+    """
     for pair in ALTERNATIVES.get(section, ()):
         if key in pair and set(pair) & set(changes):
             return True

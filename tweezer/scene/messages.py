@@ -51,6 +51,7 @@ def lines_of(error: ValidationError, scene: type[Section], several: bool) -> Ite
 
 
 def _allowed(details: ErrorDetails, key: str) -> str:
+    """Return what a wrong value must be, from Pydantic's report on it. key: its dotted name."""
     kind, context = details["type"], details.get("ctx", {})
     match kind:
         case "literal_error":
@@ -78,6 +79,10 @@ def _allowed(details: ErrorDetails, key: str) -> str:
 
 
 def _known_keys(details: ErrorDetails, scene: type[Section]) -> str:
+    """Return the key that an unknown one probably means, or all keys of its section, as a phrase.
+
+    details: Pydantic's report. scene: class of scenes.
+    """
     section: Any = scene
     for part in details["loc"][:-1]:
         if not isinstance(part, int):  # the number of a beam
@@ -93,13 +98,17 @@ def _known_keys(details: ErrorDetails, scene: type[Section]) -> str:
 
 
 def doubts_of(given: Mapping[str, Any], section: type[Section], within: str = "") -> Iterator[str]:
-    """Yield a line for each key whose number has no unit and is unusual in the SI unit.
+    """Yield a warning for each key with a bare number that is unusual in SI units.
 
-    given: keys of a section, or sections of the scene. section: class of that section, or of
-    scenes. within: name of the section, with a dot.
+    Such a number, for example a wavelength of 1064 (m), probably lacks its unit.
+
+    given: values of a section by key, or sections of a scene by name. section: class of that
+    section, or the class of scenes. within: dotted name of the section with a final dot, such as
+    "beam.motion."; "" for a scene.
     """
     fields = section.model_fields
     for key, value in given.items():
+        # a diameter is judged by the description of the radius, which stands for it in the class
         kind = HALVES.get((kind_of(within.removesuffix(".")), key), kind_of(key))
         if kind not in fields:  # the file of a table
             continue
@@ -115,7 +124,10 @@ def doubts_of(given: Mapping[str, Any], section: type[Section], within: str = ""
 
 
 def _each(section: str, value: Any) -> list[tuple[str, Any]]:
-    """The section, or those of a list, by name."""
+    """Return the name and value of a section, or of each section in a list of several.
+
+    Names of a list are numbered: beam[1], or beam[2] for the first of `more_beams`.
+    """
     if isinstance(value, list | tuple):
         name, first = ("beam", 2) if section == "more_beams" else (section, 1)
         return [(f"{name}[{i}]", each) for i, each in enumerate(value, start=first)]
@@ -123,7 +135,7 @@ def _each(section: str, value: Any) -> list[tuple[str, Any]]:
 
 
 def _numbers(value: Any) -> Iterator[Any]:
-    """What a value holds: itself, or what is in the list."""
+    """Yield the numbers in a value: the value itself, or each element of nested lists."""
     if isinstance(value, list | tuple):
         for each in value:
             yield from _numbers(each)

@@ -87,6 +87,10 @@ def settable() -> dict[str, tuple[str, ...]]:
 
 
 def _settable(within: str, section: Any) -> dict[str, tuple[str, ...]]:
+    """Return the dotted keys of a section and its subsections, with their choices.
+
+    within: dotted name of the section. section: its class.
+    """
     found: dict[str, tuple[str, ...]] = {}
     for name, field in section.model_fields.items():
         inner = section_of(field.annotation)
@@ -99,7 +103,7 @@ def _settable(within: str, section: Any) -> dict[str, tuple[str, ...]]:
 
 
 def _choices(annotation: Any) -> tuple[str, ...]:
-    """The names that an annotation allows; none where it allows other values."""
+    """Return the names that the type of a key allows; none if it allows other values."""
     if annotation is bool:
         return "true", "false"
     if get_origin(annotation) is Literal:
@@ -119,6 +123,7 @@ def value_at(scene: Scene, key: str) -> Any:
     if numbered and (number := int(first[5:-1])) != 1:
         value = scene.beams[number - 1] if number <= len(scene.beams) else None
     for part in parts:
+        # a diameter is stored as a radius, and a waist as a sigma: twice the stored value
         name = HALVES.get((within, part), part)
         doubled = name != part and not hasattr(value, part)
         value = getattr(value, name if doubled else part, None)

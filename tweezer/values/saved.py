@@ -1,4 +1,4 @@
-"""What tweezer saves: the one table of kinds of results, by which a file is told to be one."""
+"""Table of the kinds of results that tweezer saves, by which files are recognised."""
 
 from __future__ import annotations
 
@@ -26,37 +26,47 @@ RECORDINGS = (*TEXTS, *HDF5, *NUMPY, MATLAB, TDMS)
 
 
 class Kind(NamedTuple):
-    """A kind of result."""
+    """A kind of file, and what tweezer does with it.
+
+    A result (`KINDS`) is recognised by its content, another file (`OTHERS`) by its name.
+    """
 
     name: str
+    """such as "run" or "calibration\""""
     told: str
-    """in words, with its article"""
+    """the name in words, with its article, for messages"""
     marks: tuple[str, ...]
-    """what every one has: attributes, variables and dimensions; of JSON the keys"""
+    """names that every result of this kind contains: attributes, variables or dimensions of a
+    dataset, or keys of a JSON file"""
     page: str = ""
-    """of `tweezer.viewing`: `of_PAGE.py`, `static/PAGE.js`; "" if it has none"""
+    """name of the page that shows it: PAGE in `viewing/of_PAGE.py` and `static/PAGE.js`; "" for
+    none"""
     compared: bool = False
-    """whether `tweezer compare` takes it"""
+    """whether `tweezer compare` accepts it"""
     command: str = ""
-    """the command that takes it, of what is no result"""
+    """command of tweezer that reads a file that is no result; "" for none"""
     endings: tuple[str, ...] = ()
-    """of the names of files by which it is known, of what is no result"""
+    """file name endings by which a file that is no result is recognised"""
     of: str = ""
-    """"MODULE:CLASS" of a result that is saved as JSON; "" for a dataset"""
+    """class of a result that is saved as JSON, as "MODULE:CLASS"; "" for a dataset"""
     within: str = ""
-    """key of the result in its file of JSON; "" if the file contains nothing else"""
+    """key of the result in its JSON file; "" if the file contains nothing else"""
     reader: str = ""
-    """module with `content_of` and `result_in`; "" for a result whose fields are all of its file"""
+    """module whose functions `content_of` and `result_in` write and read the JSON file; "" for a
+    result whose fields are the whole file"""
 
     def way(self, name: str) -> str:
-        """Return what can be done with the file of that name, to follow words that say its kind."""
+        """Return the end of a sentence on what can be done with the file `name`, from its "; " on.
+
+        It is "" if nothing can be done.
+        """
         ways = ["`tweezer view` shows it"] if self.page else []
         ways += ["`tweezer compare` compares it with another"] if self.compared else []
         ways += [f"use `tweezer {self.command} {name}`"] if self.command else []
         return f"; {' and '.join(ways)}" if ways else ""
 
 
-#: The first that has all its marks is taken
+#: Results; the first kind whose marks are all found is the kind of a result
 KINDS = (
     Kind("sweep", "a sweep", ("scene", "over", "outcome"), "sweep", True),
     Kind("statistics", "statistics of an ensemble", ("scene", "stationary_mean"), "ensemble", True),
@@ -78,7 +88,7 @@ KINDS = (
     Kind("tuning", "scaled runs beside the unscaled one", ("entries", "epsilon"),
          of="tweezer.runs.tuning:Tuning"),
 )  # fmt: skip
-#: What is no result, and is known by the name of its file
+#: Files that are no results, which are recognised by their names
 OTHERS = (
     Kind("recording", "a recording", (), command="calibrate", endings=RECORDINGS),
     Kind("page", "a page or a report", (), endings=(".html",)),
@@ -90,7 +100,7 @@ COMPARED = tuple(each for each in KINDS if each.compared)
 
 
 def kind_of(result: Any) -> Kind | None:
-    """The kind of a dataset, or of what a file of JSON holds; None if it is none of the table."""
+    """Return the kind of a dataset or of the content of a JSON file; None for an unknown kind."""
     if hasattr(result, "attrs"):
         return _kind_with({*result.attrs, *result.variables, *result.sizes})
     return _kind_with(set(result) if isinstance(result, dict) else set())
@@ -125,7 +135,10 @@ def kind_of_file(path: Path) -> Kind | None:
 
 
 def refusal(kind: Kind | None, command: str, taken: Iterable[Kind]) -> str:
-    """What a result is, and what the command takes in its place."""
+    """Return a message, from its verb on, that a command does not accept a result.
+
+    It says the kind of the result and names the kinds that the command accepts.
+    """
     is_ = f"is {kind.told}" if kind else "is no result that is known"
     return f"{is_}; `tweezer {command}` takes {', '.join(each.told for each in taken)}"
 

@@ -9,27 +9,30 @@ from tweezer.viewing.arrays import Packed
 
 
 class Row(NamedTuple):
-    """A line of the summary."""
+    """One line of the summary beside a page's picture: a quantity with its value."""
 
     name: str
     value: str
+    """with its unit, as text"""
     error: str = ""
-    """as text: "± 2 nm", or "not known"; "" of what has none"""
+    """as text: "± 2 nm", or "not known"; "" for a value without an error"""
     trusted: bool = True
+    """whether the value is valid; one that is not is marked on the page"""
 
 
 @dataclass(frozen=True)
 class Content:
-    """What a page shows."""
+    """Everything that an interactive page shows, before it is written as HTML."""
 
     kind: str
-    """of `tweezer.values.saved.KINDS`, its page: which module of the page draws it"""
+    """name of the JavaScript module that draws the page, `page` of `tweezer.values.saved.KINDS`"""
     title: str
     facts: dict[str, Any]
-    """numbers and words that the page's module reads, as JSON"""
+    """single numbers and words for that module, by names that it knows, as JSON"""
     arrays: dict[str, Packed]
+    """arrays of numbers for that module, by names that it knows"""
     summary: list[Row]
     notes: list[str]
-    """what a reader must know to trust the page, a short whole sentence or two each"""
+    """facts that a reader must know to trust the page, one or two short sentences each"""
     warning: str = ""
-    """why the page does not show what was asked for: a run that was interrupted, or failed"""
+    """reason why the page is incomplete: the run was interrupted, or failed; "" for none"""
