@@ -210,128 +210,192 @@ def _depth(angle, delta, beside):  # type: ignore[no-untyped-def]
 def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
     """The panels of rings and arcs; returns their number."""
     cuts = np.empty(MOST_PANELS // 2)
-    tilt = math.atan2(place.sin_tilt, place.cos_tilt)
-    top = math.pi
-    if place.beside:
-        top = math.asin(1.0 / place.ratio)
-    elif place.crowded or n_mP > 1.0:
-        top = 0.5 * math.pi
-    # total reflection begins at x = +-onset, which may be complex
-    critical, onset = -1.0, 1.0
-    if n_mP > 1.0:
-        inner = n_mP * place.ratio
-        onset = math.sqrt(abs(1.0 - 1.0 / max(inner, 1e-6) ** 2))
-        if inner > 1.0:
-            critical = math.asin(1.0 / inner)
-    # Q has a pole at cos(alpha) = i (1/n_mP^2 - 1)/2, of light that goes round inside without end.
-    # It sets the nodes per digit on a panel from cos(alpha) = 0 to 1; for a bead of nearly
-    # the medium's index panels grow from grazing instead
-    pole = 1.0 / n_mP**2 - 1.0
-    per_digit = _NODES_PER_DIGIT
-    if pole > _NEARLY_EQUAL:
-        rate = math.acosh(_ellipse(-1.0, pole))
-        per_digit = max(per_digit, math.log(10.0) / (ERROR_OF_RINGS[0][1] * rate))
+    singular = _singular(place, n_mP)
+    top = singular.top
     count = 0
     both = place.beside or top < 2.0
     for side in range(2):
         if not both and (side == 1) == (place.cos_tilt >= 0.0):
             continue  # all rings in one interval, about the pole nearer to the light
-        # angles of the two rims from this pole, and whether rings inside the first and outside
-        # the second are whole
-        tilt_here = tilt if side == 0 else math.pi - tilt
-        first = abs(rule.half_angle - tilt_here)
-        second = rule.half_angle + tilt_here
-        whole_inside = tilt_here < rule.half_angle
-        whole_outside = second > math.pi
-        if whole_outside:
-            second = 2.0 * math.pi - second
-        cuts[0], cuts[1], cuts[2], cuts[3] = 0.0, min(first, top), min(second, top), top
-        places = 4
-        # arcs that begin near the pole, where sqrt(1 - x) is not smooth: panels grow from it
-        last = min(second, top)
-        growing = 3.0 * max(first, 1e-3 * last)
-        while 0.0 < first < growing < 0.7 * last and places < cuts.size:
-            cuts[places] = growing
-            growing *= 3.0
-            places += 1
-        if critical > 0.0:
-            cuts[places] = min(critical, top)
-            places += 1
-            for rim in (first, second):
-                places = _growing_apart(critical, rim, top, cuts, places)
-        cosine = pole if pole <= _NEARLY_EQUAL else 1.0
-        while 0.0 < cosine < 0.7 and places < cuts.size:
-            sine = math.sqrt((1.0 - cosine) * (1.0 + cosine)) / max(place.ratio, 1e-3)
-            if sine < 1.0:
-                cuts[places] = min(math.asin(sine), top)
-                places += 1
-            cosine = 3.0 * cosine
-        if onset < 0.5:
-            # panels that grow with the distance from the onset
-            x = onset
-            while x < 0.5 and places < cuts.size:
-                x = max(3.0 * x, 1e-5)
-                cuts[places] = min(math.acos(min(x, 1.0)), top)
-                places += 1
-        for k in range(1, places):  # insertion sort
-            cut_at, i = cuts[k], k
-            while i > 0 and cuts[i - 1] > cut_at:
-                cuts[i] = cuts[i - 1]
-                i -= 1
-            cuts[i] = cut_at
-        places = _without_close(cuts, places, first, second, critical)
+        rims = _rims(place, rule, side)
+        places = _cuts(place, singular, rims, cuts)
         for k in range(places - 1):
             lo, hi = cuts[k], cuts[k + 1]
             length = hi - lo
             if length <= 1e-15 * top:
                 continue
             middle = lo + 0.5 * length
-            cut = first < middle < second
-            if not cut and not (whole_inside if middle <= first else whole_outside):
+            cut = rims.first < middle < rims.second
+            whole = rims.whole_inside if middle <= rims.first else rims.whole_outside
+            if not cut and not whole:
                 continue
-            low, high = 1, 1
-            if cut:
-                if lo == first:
-                    low = 2
-                if hi == second:
-                    high = 3 if math.pi - hi < _CLOSE * length else 2
-                elif second - hi < _CLOSE * length:
-                    high = 3
-            elif hi == top and 0.0 < first - hi < _CLOSE * length:
-                high = 2
-            if critical > 0.0:
-                if lo == critical:
-                    low = 2
-                if hi == critical:
-                    high = 2
-            if hi == top and (place.crowded or (n_mP > 1.0 and not place.beside)):
-                high = 3
+            low, high = _zeros(place, n_mP, singular, rims, lo, hi, cut)
+            begin, end = _interval(place, top, lo, hi)
             rules[count, KIND] = ARCS if cut else RINGS
             rules[count, POLE] = 1.0 if side == 0 else -1.0
             rules[count, PAIR] = (low - 1) * 3 + high - 1
-            if place.crowded:
-                a, b = math.cos(lo), math.cos(hi)
-                if place.beside:
-                    a = math.sqrt(max((a - place.delta) * (a + place.delta), 0.0))
-                    b = math.sqrt(max((b - place.delta) * (b + place.delta), 0.0))
-                if hi == top:
-                    b = 0.0
-            else:
-                a = _depth(lo, place.delta, place.beside)
-                b = _depth(hi, place.delta, place.beside)
-                if hi == top and place.beside:
-                    b = pole_of(place)
-            rules[count, BEGIN] = a
-            rules[count, SPAN] = b - a
+            rules[count, BEGIN] = begin
+            rules[count, SPAN] = end - begin
             # a panel with a small solid angle needs fewer digits
             share_of_angle = (math.cos(lo) - math.cos(hi)) / (1.0 - math.cos(top))
             wanted = max(digits + math.log10(min(3.0 * share_of_angle, 1.0)), 1.0)
-            slope = per_digit + (1.0 if low == 2 else 0.0)
+            slope = singular.per_digit + (1.0 if low == 2 else 0.0)
             rules[count, LEVEL] = _level_of(2.0 + slope * wanted)
             rules[count, WIDTH] = _width(place, rule, lo, hi)
             resolve_azimuth(rule, rules, count, _AZIMUTH * rule.tolerance)
             count += 1
     return count
+
+
+class Singular(NamedTuple):
+    """Where the bead makes the integrand over the rings singular."""
+
+    top: float
+    """largest angle of a ring to the line, rad"""
+    critical: float
+    """angle where total reflection begins, rad; -1 without it"""
+    onset: float
+    """size of x where total reflection begins, which may be complex"""
+    pole: float
+    """1/n_mP^2 - 1: Q has a pole at cos(alpha) = i/2 times this, of light that stays inside"""
+    per_digit: float
+    """nodes per decimal digit on a panel from cos(alpha) = 0 to 1"""
+
+
+@cached_njit(error_model="numpy", nogil=True, inner=True, forceinline=True)
+def _singular(place, n_mP):  # type: ignore[no-untyped-def]
+    """The `Singular` of a bead at `place`."""
+    top = math.pi
+    if place.beside:
+        top = math.asin(1.0 / place.ratio)
+    elif place.crowded or n_mP > 1.0:
+        top = 0.5 * math.pi
+    critical, onset = -1.0, 1.0
+    if n_mP > 1.0:
+        inner = n_mP * place.ratio
+        onset = math.sqrt(abs(1.0 - 1.0 / max(inner, 1e-6) ** 2))
+        if inner > 1.0:
+            critical = math.asin(1.0 / inner)
+    # the pole sets the nodes per digit; for a bead of nearly the medium's index panels grow from
+    # grazing instead
+    pole = 1.0 / n_mP**2 - 1.0
+    per_digit = _NODES_PER_DIGIT
+    if pole > _NEARLY_EQUAL:
+        rate = math.acosh(_ellipse(-1.0, pole))
+        per_digit = max(per_digit, math.log(10.0) / (ERROR_OF_RINGS[0][1] * rate))
+    return Singular(top, critical, onset, pole, per_digit)
+
+
+class Rims(NamedTuple):
+    """The two angles from a pole at which the rim of the cone begins and ceases to cut rings."""
+
+    first: float
+    second: float
+    whole_inside: bool
+    """whether rings inside the first are whole"""
+    whole_outside: bool
+    """whether rings outside the second are whole"""
+
+
+@cached_njit(error_model="numpy", nogil=True, inner=True, forceinline=True)
+def _rims(place, rule, side):  # type: ignore[no-untyped-def]
+    """The `Rims` seen from the pole at the bead (side 0) or the one opposite (side 1)."""
+    tilt = math.atan2(place.sin_tilt, place.cos_tilt)
+    tilt_here = tilt if side == 0 else math.pi - tilt
+    first = abs(rule.half_angle - tilt_here)
+    second = rule.half_angle + tilt_here
+    whole_outside = second > math.pi
+    if whole_outside:
+        second = 2.0 * math.pi - second
+    return Rims(first, second, tilt_here < rule.half_angle, whole_outside)
+
+
+@cached_njit(error_model="numpy", nogil=True, inner=True, forceinline=True)
+def _cuts(place, singular, rims, cuts):  # type: ignore[no-untyped-def]
+    """Fill the angles between which panels lie, rad, in order; returns their number."""
+    top, critical = singular.top, singular.critical
+    first, second = rims.first, rims.second
+    cuts[0], cuts[1], cuts[2], cuts[3] = 0.0, min(first, top), min(second, top), top
+    places = 4
+    # arcs that begin near the pole, where sqrt(1 - x) is not smooth: panels grow from it
+    last = min(second, top)
+    growing = 3.0 * max(first, 1e-3 * last)
+    while 0.0 < first < growing < 0.7 * last and places < cuts.size:
+        cuts[places] = growing
+        growing *= 3.0
+        places += 1
+    if critical > 0.0:
+        cuts[places] = min(critical, top)
+        places += 1
+        for rim in (first, second):
+            places = _growing_apart(critical, rim, top, cuts, places)
+    cosine = singular.pole if singular.pole <= _NEARLY_EQUAL else 1.0
+    while 0.0 < cosine < 0.7 and places < cuts.size:
+        sine = math.sqrt((1.0 - cosine) * (1.0 + cosine)) / max(place.ratio, 1e-3)
+        if sine < 1.0:
+            cuts[places] = min(math.asin(sine), top)
+            places += 1
+        cosine = 3.0 * cosine
+    if singular.onset < 0.5:
+        # panels that grow with the distance from the onset
+        x = singular.onset
+        while x < 0.5 and places < cuts.size:
+            x = max(3.0 * x, 1e-5)
+            cuts[places] = min(math.acos(min(x, 1.0)), top)
+            places += 1
+    for k in range(1, places):  # insertion sort
+        cut_at, i = cuts[k], k
+        while i > 0 and cuts[i - 1] > cut_at:
+            cuts[i] = cuts[i - 1]
+            i -= 1
+        cuts[i] = cut_at
+    return _without_close(cuts, places, first, second, critical)
+
+
+@cached_njit(error_model="numpy", nogil=True, inner=True, forceinline=True)
+def _zeros(place, n_mP, singular, rims, lo, hi, cut):  # type: ignore[no-untyped-def]
+    """Orders of the zeros of the substitution at both ends of a panel: 1, 2 or 3.
+
+    cut: whether the rim cuts the rings of the panel.
+    """
+    top, critical = singular.top, singular.critical
+    close = _CLOSE * (hi - lo)
+    low, high = 1, 1
+    if cut:
+        if lo == rims.first:
+            low = 2
+        if hi == rims.second:
+            high = 3 if math.pi - hi < close else 2
+        elif rims.second - hi < close:
+            high = 3
+    elif hi == top and 0.0 < rims.first - hi < close:
+        high = 2
+    if critical > 0.0:
+        if lo == critical:
+            low = 2
+        if hi == critical:
+            high = 2
+    if hi == top and (place.crowded or (n_mP > 1.0 and not place.beside)):
+        high = 3
+    return low, high
+
+
+@cached_njit(error_model="numpy", nogil=True, inner=True, forceinline=True)
+def _interval(place, top, lo, hi):  # type: ignore[no-untyped-def]
+    """Both ends of a panel in the variable of its nodes: t, or cos(alpha) over d/r."""
+    if place.crowded:
+        a, b = math.cos(lo), math.cos(hi)
+        if place.beside:
+            a = math.sqrt(max((a - place.delta) * (a + place.delta), 0.0))
+            b = math.sqrt(max((b - place.delta) * (b + place.delta), 0.0))
+        if hi == top:
+            b = 0.0
+    else:
+        a = _depth(lo, place.delta, place.beside)
+        b = _depth(hi, place.delta, place.beside)
+        if hi == top and place.beside:
+            b = pole_of(place)
+    return a, b
 
 
 @cached_njit(error_model="numpy", nogil=True, inner=True)
