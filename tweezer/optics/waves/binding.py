@@ -37,17 +37,18 @@ _UNIT = 4 * math.pi**2
 
 @dataclass(frozen=True)
 class Sums:
-    """What the compiled sums read."""
+    """Data that the compiled sums over partial waves read, and the errors of their force."""
 
     data: Data
     """of `kernel.waves_kernel`"""
     floor: float
-    """error of the force where it vanishes, in n_m P/c"""
+    """error of the force where it vanishes, in n_m P/c (refractive index, power, speed of light)"""
     allowed: float
-    """the same as it is wanted; below `floor` if the light's series does not converge so far"""
+    """wanted error of the force where it vanishes, in n_m P/c; below `floor` if the light's series
+    does not converge so far"""
 
     def of_strength(self, strength: float) -> Sums:
-        """The same for light of another power; strength: its n_m P/c, N."""
+        """Return these data with the power of the light changed; strength: its n_m P/c, N."""
         numbers = {
             STRENGTH: strength * _UNIT, OF_ALL: strength, FLOOR: self.floor * strength,
         }  # fmt: skip
@@ -55,7 +56,10 @@ class Sums:
 
 
 def highest_degree(a: ComplexArray, b: ComplexArray, tolerance: float) -> int:
-    """The degree up to which Mie's coefficients count."""
+    """Return the degree up to which the Mie coefficients a, b (n = 1, 2, ...) count.
+
+    Beyond it the sum of their sizes, with 2n + 1 as weight, is below `tolerance` of the largest.
+    """
     n = np.arange(1, len(a) + 1)
     size = (2 * n + 1) * (np.abs(a) + np.abs(b))
     beyond = np.cumsum(size[::-1])[::-1]
@@ -63,7 +67,10 @@ def highest_degree(a: ComplexArray, b: ComplexArray, tolerance: float) -> int:
 
 
 def sums(light: Waves, tolerance: float, reach: float) -> Sums:
-    """The sums for the force to a relative tolerance, up to `reach`, m, from the focus."""
+    """Return the data of the sums for the force on a bead up to `reach`, m, from the focus.
+
+    light: waves and sphere. tolerance: relative, of the force.
+    """
     small = max(_SMALL * tolerance, _ROUNDING)
     x = light.size_parameter
     a, b = mie_coefficients(light.shells, light.wavenumber, int(x + 6 * x ** (1 / 3)) + 12)
@@ -115,7 +122,11 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
 
 
 def _rules(light: Waves, nodes: Nodes, reach: float) -> list[Rule]:
-    """Rules for beads up to `reach`, m, from the focus."""
+    """Return the rules of nodes for beads up to `reach`, m, from the focus, fewest nodes first.
+
+    A bead needs nodes for the phase over the cone that its size and its distance from the focus
+    add up to. Rules too small for even a bead in the focus are left out.
+    """
     least = light.size_parameter * light.focus.half_angle
     across, along = nodes.variable.phases
     most = least + light.wavenumber * reach * math.hypot(across, along)
@@ -124,7 +135,12 @@ def _rules(light: Waves, nodes: Nodes, reach: float) -> list[Rule]:
 
 
 def _of_nodes(focus: Focus, rule: Rule, shift: float, parts: list[Part], many: int) -> Array:
-    """1 - cos(theta), sin(theta), and the weighted amplitudes of each part, (rows, many)."""
+    """Return the nodes of a rule as `Source.nodes` has them, (2 + 2 parts, many).
+
+    The rows are 1 - cos(theta), sin(theta), and the real and imaginary part of the amplitude times
+    weight for each part of the light, without the phase shift (1 - cos(theta)). many: number of
+    nodes padded to whole lanes, with zeros.
+    """
     below = rule.below
     along, across = focus.amplitudes(below)
     turned = rule.weight * np.exp(-1j * shift * below)
@@ -136,7 +152,7 @@ def _of_nodes(focus: Focus, rule: Rule, shift: float, parts: list[Part], many: i
 
 
 def _of_states(states: tuple[State, ...]) -> Array:
-    """The states by the columns that `kernel` names, (states, 7)."""
+    """Return the polarised states by the columns SHARE to HIGHEST of `kernel`, (states, 7)."""
     rows, begin = [], 0
     for state in states:
         end = begin + len(state.parts)
@@ -149,7 +165,11 @@ def _of_states(states: tuple[State, ...]) -> Array:
 
 
 def _of_sphere(a: ComplexArray, b: ComplexArray, states: tuple[State, ...], stride: int) -> Array:
-    """Weights of each component, (components, rows and guards)."""
+    """Return `kernel.Weights.sphere` of each component, (components, rows and guards).
+
+    a, b: Mie coefficients from n = 1 on. There is one component if all light is of one helicity,
+    else two. stride: number of degrees from 0, beyond those of a, b with weights of zero.
+    """
     components = 1 if all(each.pure for each in states) else 2
     U, V, K = weights(a, b, components)
     rows = np.stack([U.real, U.imag, V.real, V.imag, K], axis=1)

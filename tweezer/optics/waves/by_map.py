@@ -35,12 +35,13 @@ _SOURCES = sources(
 
 @dataclass(frozen=True, eq=False)
 class WavesByMap(Mapped):
-    """The map of waves on a sphere of one size."""
+    """Force of waves on a sphere of one size, read from a map, and by quadrature outside of it."""
 
     light: Waves
+    """plane waves behind the lens, and the sphere"""
     outside: WavesByQuadrature
     tolerance: float
-    """of the table, as a part of the largest force"""
+    """of the map, as a part of the largest force"""
 
     def of_radius(self, radius: float) -> LightForce:
         """See `LightForce.of_radius`. The other map is made, and not stored."""
@@ -53,7 +54,7 @@ class WavesByMap(Mapped):
 
 
 def by_map(scene: Scene) -> WavesByMap:
-    """The force of the waves of `scene`, from its table: see `tweezer.optics.force_map`."""
+    """Return the force of the light of `scene` as waves, read from its map; made if not stored."""
     of_bead = waves_on_bead(scene)
     made, _ = _stored(scene, of_bead)
     outside = by_quadrature.by_quadrature(scene)
@@ -62,7 +63,7 @@ def by_map(scene: Scene) -> WavesByMap:
 
 
 def wave_map(scene: Scene, progress: Progress | None = None) -> Table:
-    """The table of the force of the waves of `scene`: see `tweezer.optics.force_map`."""
+    """Return the map of the force of the waves of `scene`: see `tweezer.optics.force_map`."""
     of_bead = waves_on_bead(scene)
     made, path = _stored(scene, of_bead, progress)
     return Table(made, 1 / of_bead.wavenumber, of_bead.strength, path)
@@ -71,6 +72,11 @@ def wave_map(scene: Scene, progress: Progress | None = None) -> Table:
 def _stored(
     scene: Scene, of_bead: Waves, progress: Progress | None = None
 ) -> tuple[Lattice, Path | None]:
+    """Return the map of a scene and the file it is stored in; it is made if there is no file.
+
+    The file's name follows from all that the map depends on: in units of 1/k and n_m P/c neither
+    the wavelength nor the power.
+    """
     tolerance = scene.optics.table_tolerance
     reach = of_bead.wavenumber * scene.table_reach
     shells = [(of_bead.wavenumber * outer, index) for outer, index in of_bead.shells]
@@ -85,7 +91,11 @@ def _stored(
 def _made(
     of_bead: Waves, tolerance: float, reach: float, progress: Progress | None = None
 ) -> Lattice:
-    """The table. reach: in 1/k."""
+    """Compute the map of the force of waves on a bead, in units of 1/k and n_m P/c.
+
+    tolerance: as a part of the largest force. reach: distance from the focus, in 1/k. progress:
+    called with the part that is done.
+    """
     in_units = dataclasses.replace(
         of_bead.of_radius(of_bead.size_parameter),
         wavenumber=1.0,

@@ -21,24 +21,26 @@ from tweezer.values.errors import SceneError
 
 Array = NDArray[np.float64]
 
-#: Largest allowed error, in estimates
+#: Largest error that is allowed, in units of the wanted one
 _MISSED = 2.0
-#: Distance up to which compiled loops compute the force: of the distance at which the bead is lost
+#: Distance up to which compiled loops compute the force, in distances at which the bead is lost
 _BEYOND_LOSS = 1.25
 
 
 @dataclass(frozen=True, eq=False)
 class WavesByQuadrature(LightForce):
-    """The sum over partial waves, whose amplitudes are integrals over the lens."""
+    """Force of the light by sums over partial waves, with amplitudes integrated over the lens."""
 
     light: Waves
+    """plane waves behind the lens, and the sphere"""
     tolerance: float
     """relative, of the force"""
     reach: float
     """distance from the focus up to which compiled loops compute the force, m; beyond, its error is
     infinite"""
     alike: WavesByQuadrature | None = None
-    """the same of another power, whose tables serve here too"""
+    """force of the same light and bead with another power, whose tables are used instead of
+    computing new ones; None if there is none"""
 
     def field(
         self,
@@ -48,7 +50,7 @@ class WavesByQuadrature(LightForce):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """See `Force.field`. Places beyond the reach take more nodes."""
+        """See `Force.field`. Positions beyond the reach are computed with more nodes."""
         if (there := self._reaching(positions)) is not self:
             return there.field(positions, gradient=gradient)
         return super().field(positions, gradient=gradient, time=time, orientations=orientations)
@@ -62,7 +64,7 @@ class WavesByQuadrature(LightForce):
         return self.light.cone.power * share
 
     def _reaching(self, positions: Array) -> WavesByQuadrature:
-        """The same up to the farthest of `positions` at least."""
+        """Return this force with a reach, doubled as often as necessary, to all of `positions`."""
         farthest = float(np.linalg.norm(positions, axis=1).max(initial=0.0))
         if farthest > self.reach:
             _not_too_far(self.light, "positions", farthest, "allowed: up to that")
@@ -73,7 +75,7 @@ class WavesByQuadrature(LightForce):
 
     @functools.cached_property
     def _farther(self) -> WavesByQuadrature:
-        """The same up to twice the distance, bound once."""
+        """This force with twice the reach. Its tables are computed once."""
         alike = None if self.alike is None else self.alike._farther
         return dataclasses.replace(self, reach=2 * self.reach, alike=alike)
 
@@ -83,7 +85,7 @@ class WavesByQuadrature(LightForce):
 
     @functools.cached_property
     def sums(self) -> Sums:
-        """What the compiled sums read."""
+        """Data that the compiled sums read, with those of `alike` rescaled if there is one."""
         if self.alike is not None:
             return self.alike.sums.of_strength(self.light.strength)
         return sums(self.light, self.tolerance, self.reach)
@@ -118,7 +120,7 @@ def _smaller(scene: Scene, name: str) -> str:
 def by_quadrature(scene: Scene) -> WavesByQuadrature:
     """The force of the light of `scene` as waves, to `optics.tolerance`.
 
-    What does not depend on the power is computed once for each light.
+    Tables do not depend on the power: they are computed for 1 W, kept, and rescaled.
     """
     alike = _of_one_watt(scene.of_power(1.0))
     return dataclasses.replace(alike, light=waves_on_bead(scene), alike=alike)
@@ -126,7 +128,10 @@ def by_quadrature(scene: Scene) -> WavesByQuadrature:
 
 @functools.lru_cache(maxsize=8)
 def _of_one_watt(scene: Scene) -> WavesByQuadrature:
-    """The same of a scene whose light is of 1 W."""
+    """Return the force of the light of a scene whose power is 1 W; the last few are kept.
+
+    Raises `SceneError` if the bead is too large for wave optics, or may go too far from the focus.
+    """
     light = waves_on_bead(scene)
     if light.size_parameter > LARGEST_IN_WAVES:
         raise SceneError(

@@ -63,10 +63,10 @@ class State:
 
 
 def states(polarisation: str, jones: Array, vortex: int, *, face: bool) -> tuple[State, ...]:
-    """The light of a pupil in polarised states.
+    """Return the polarised states whose forces add up to that of the light in a pupil.
 
-    jones: (4,) the Jones vector of linear light as (re, im) pairs. face: whether the light passes
-    a face before the focus.
+    polarisation, vortex: settings of the beam. jones: (4,) the Jones vector of linear light as
+    (re, im) pairs. face: whether the light passes a plane face before the focus.
     """
     if polarisation in ("radial", "azimuthal"):
         along, half = polarisation == "radial", math.sqrt(0.5)
@@ -92,11 +92,18 @@ def states(polarisation: str, jones: Array, vortex: int, *, face: bool) -> tuple
 
 
 def _circular(vortex: int, face: bool, weight: float, handedness: float) -> tuple[State, ...]:
+    """Return the one state of circular light of helicity +1, or of its mirror image.
+
+    weight: its share of the power; handedness: see `State`.
+    """
     return (State(weight, _parts(1, vortex, 1.0, face), handedness),)
 
 
 def _parts(helicity: int, vortex: int, coefficient: complex, face: bool) -> tuple[Part, ...]:
-    """Light that has one helicity in the pupil: behind a face also the other."""
+    """Return the parts of light that has one helicity in the pupil; a face adds the other one.
+
+    coefficient: of the Jones vector.
+    """
     j = vortex + helicity
     kept = Part(helicity, j, coefficient, 0.5, 0.5)
     turned = Part(-helicity, j, coefficient, 0.5, -0.5)
@@ -105,10 +112,12 @@ def _parts(helicity: int, vortex: int, coefficient: complex, face: bool) -> tupl
 
 @dataclass(frozen=True)
 class Face:
-    """A plane face before the focus, from a medium of index `before` into the bead's, `behind`."""
+    """A plane face before the focus, between two media: the bead is in the one behind it."""
 
     before: float
+    """refractive index in front of the face"""
     behind: float
+    """refractive index behind it"""
     phase: float
     """k_0 times the distance from the face to the nominal focus"""
 
@@ -129,7 +138,10 @@ class Focus:
         return behind_face(self.cone.half_angle, self.face.before, self.face.behind)
 
     def amplitudes(self, below: Array) -> tuple[ComplexArray, ComplexArray]:
-        """Amplitudes of light along e_theta and e_phi, sqrt(1/sr), at 1 - cos(theta) = `below`."""
+        """Return the amplitudes of the light along e_theta and e_phi at 1 - cos(theta) = `below`.
+
+        They are in sqrt(1/sr), for light of 1 W that has the amplitude 1 along both in the pupil.
+        """
         face, cone = self.face, self.cone
         if face is None:
             size = np.sqrt(cone.shape(below)).astype(np.complex128)

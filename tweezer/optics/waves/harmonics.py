@@ -20,7 +20,10 @@ Array = NDArray[np.float64]
 
 
 class Elements(NamedTuple):
-    """Matrix elements of the direction s and the angular momentum, s_+ = s_x + i s_y, (m, n)."""
+    """Matrix elements between harmonics of the direction s and of the angular momentum J.
+
+    Each field is an array over (m, n), degree n and order m; s_+ = s_x + i s_y, J_+ = J_x + i J_y.
+    """
 
     along: Array
     """<n m|s_z|n-1 m>"""
@@ -38,7 +41,7 @@ class Elements(NamedTuple):
 
 @functools.lru_cache(maxsize=8)
 def elements(highest: int) -> Elements:
-    """The elements for m = -highest..highest, n = 0..highest."""
+    """Return the matrix elements for m = -highest..highest, n = 0..highest."""
     n = np.arange(highest + 1.0)[None, :]
     m = np.arange(-highest, highest + 1.0)[:, None]
     there = np.broadcast_to((n >= np.maximum(np.abs(m), 1)), (m.size, n.size))
@@ -54,9 +57,10 @@ def elements(highest: int) -> Elements:
 
 
 def harmonics(highest: int, below: Array) -> Array:
-    """f_nm at 1 - cos(theta) = `below` (nodes,): (2 highest + 1, nodes, highest + 1).
+    """Return the harmonics f_nm at 1 - cos(theta) = `below`, (nodes,).
 
-    From the lowest degree up, by the recurrence that cos(theta) f = sum <n'|s_z|n> f_n' gives.
+    They are (orders m from -highest on, nodes, degrees n from 0 to highest), from the lowest degree
+    up by the recurrence that cos(theta) f_n = sum over n' of <n'|s_z|n> f_n' gives.
     """
     half_sine, half_cosine = np.sqrt(below / 2), np.sqrt(1 - below / 2)
     cosine = 1 - below
@@ -75,7 +79,10 @@ def harmonics(highest: int, below: Array) -> Array:
 
 
 def _lowest(m: int, half_cosine: Array, half_sine: Array) -> Array:
-    """f_nm of the lowest degree, n = max(|m|, 1)."""
+    """Return the harmonic f_nm of the lowest degree, n = max(|m|, 1), from cos, sin(theta/2).
+
+    Its norm is computed by logarithms, as factorials would overflow.
+    """
     if m == 0:
         return -math.sqrt(1.5 / math.pi) * half_sine * half_cosine
     q = abs(m)

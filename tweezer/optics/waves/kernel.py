@@ -1,7 +1,15 @@
 """The force of the light's waves on a sphere, from the momentum of the light before and after.
 
-Force, torque and gradient are sums over the partial waves about the bead. Each wave is coupled with
-its neighbours in degree n and order m alone. The summands are emitted: `derivation.waves`.
+Force, torque and gradient are sums over the partial waves about the bead, of degree n and order m.
+Each wave is coupled with its neighbours in n and m alone. The summands are emitted:
+`derivation.waves`.
+
+A component of the light is all of it, if it has the helicity +1 alone, or else its electric or its
+magnetic part. The sums of one component are added to `found`, (25,), in the frame in which the bead
+is at (rho, 0, z), in units of 4 pi^2 n_m P/c (n_m: refractive index of the medium, P: power):
+
+    0-2 force, 1;  3-5 moment, m;  6-14 gradient of the force, row by row, 1/m;
+    15-23 gradient of the moment, 1;  24 absorbed power, in 4 pi^2 P.
 """
 
 from __future__ import annotations
@@ -34,8 +42,9 @@ from tweezer.optics.waves.partial_waves import (
 
 cache_functions(waves)
 
-# entries of the data: n_m P/c over the unit of the sums, n_m P/c, and so on; those of the `Source`
-# follow
+# entries of the data: 4 pi^2 n_m P/c, N; n_m P/c, N; relative tolerance of the force; its error
+# where it vanishes, N; states; `Weights.elements`; `Weights.sphere` of each component; those of the
+# `Source` follow
 STRENGTH, OF_ALL, TOLERANCE, FLOOR, STATES, ELEMENTS, SPHERE, SOURCE = range(8)
 # columns of the states: share of the power, handedness, number of components, first part and end of
 # its parts, lowest and highest J_z
@@ -52,11 +61,12 @@ ABSORPTION = types.float64[::1](types.float64[:, ::1], DATA)
 
 
 class Waves(NamedTuple):
-    """Partial waves of one component of the light, and of its partner."""
+    """Partial waves about the bead of one component of the light, and of the other component."""
 
     own: Any
     """P_nm, see `partial_waves`: real parts, then imaginary parts, by (m, n)"""
     partner: Any
+    """P_nm of the other component, in the same order; of this one again if there is no other"""
     imaginary: int
     """entry of the first imaginary part"""
     first: int
@@ -68,32 +78,42 @@ class Waves(NamedTuple):
 
 
 class Weights(NamedTuple):
-    """Elements of the direction by (m, n), and the weights of the sphere by n."""
+    """What weighs the products of partial waves: elements of the direction, weights of the sphere.
+
+    The matrix elements are by (m, n), see `harmonics.Elements`; the weights by n, see
+    `sphere.weights`.
+    """
 
     elements: Any
-    """flattened, with a guard of `stride` + LANES entries before and after"""
+    """flattened (kinds, m, n), with a guard of `stride` + LANES zeros before and after: the sums
+    read neighbours of the first and last entries too"""
     sphere: Any
-    """of one component, with a guard of LANES entries before and after"""
+    """rows of U, V and K of one component, flattened, with a guard of LANES zeros before and
+    after"""
     stride: int
-    """number of degrees"""
+    """number of degrees n, from 0: from an order m to the next"""
     size: int
-    """number of entries of each kind of elements"""
+    """number of entries (m, n) of each kind of elements"""
 
 
 def guarded_elements(tables: Any) -> Any:
-    """`Weights.elements` from tables (kinds, orders, degrees)."""
+    """Return `Weights.elements` from tables of the elements, (kinds, orders, degrees)."""
     guard = np.zeros(tables.shape[2] + LANES)
     return np.concatenate([guard, tables.ravel(), guard])
 
 
 def guarded_sphere(weights: Any) -> Any:
-    """`Weights.sphere` of each component, from weights (components, rows, degrees)."""
+    """Return `Weights.sphere` of each component, from weights (components, rows, degrees)."""
     return np.stack([np.pad(each.ravel(), LANES) for each in weights])
 
 
 @named_njit(**OPTIONS)
 def force_sum(light, weights, found):  # type: ignore[no-untyped-def]
-    """Add the force on one component."""
+    """Add the force that one component of the light exerts to found[0:3], in 4 pi^2 n_m P/c.
+
+    light: its `Waves`. weights: `Weights`. The sum goes over the orders m, and for each over eight
+    degrees n at a time: `waves.force_summand` couples (m, n) with its neighbours.
+    """
     P, partner, imaginary = light.own, light.partner, light.imaginary
     table, sphere, stride, size = weights
     middle = size // stride // 2
@@ -126,7 +146,12 @@ def force_sum(light, weights, found):  # type: ignore[no-untyped-def]
 
 @named_njit(**OPTIONS)
 def _neighbours(light, at, stride):  # type: ignore[no-untyped-def]
-    """P at (n - 1, n, n + 1) of the orders m - 1, m, m + 1, and the partner at n of each."""
+    """Return the amplitudes P_nm that the summand of (m, n) needs, for eight degrees n at once.
+
+    They are P at (n - 1, n, n + 1) of the orders m - 1, m, m + 1, and the partner's at n of each,
+    as pairs of real and imaginary parts. light: `Waves`; at: entry of (m, n); stride: number of
+    degrees.
+    """
     P, partner, imaginary = light.own, light.partner, light.imaginary
     down, up = at - stride, at + stride
     return (
@@ -147,7 +172,11 @@ def _neighbours(light, at, stride):  # type: ignore[no-untyped-def]
 
 @named_njit(**OPTIONS)
 def _elements_about(weights, of):  # type: ignore[no-untyped-def]
-    """Elements of the direction between (n, m), whose entry is `of`, and its neighbours."""
+    """Return the matrix elements of the direction between (n, m) and its neighbours.
+
+    They are for eight degrees n at once, in the order of the emitted gradients' arguments. weights:
+    `Weights`; of: entry of (m, n) in `Weights.elements`.
+    """
     table, size, below = weights.elements, weights.size, of - weights.stride
     return (
         lanes(table, _ALONG * size + of), lanes(table, _ALONG * size + of + 1),
@@ -161,7 +190,11 @@ def _elements_about(weights, of):  # type: ignore[no-untyped-def]
 
 @named_njit(**OPTIONS)
 def force_and_gradient_sum(light, weights, wavenumber, found):  # type: ignore[no-untyped-def]
-    """Add the force on one component, and its gradient."""
+    """Add the force that one component of the light exerts, and its gradient, to `found`.
+
+    The force goes to found[0:3], in 4 pi^2 n_m P/c, the gradient to found[6:15], in this per m.
+    light: `Waves`. weights: `Weights`. wavenumber: k, 1/m.
+    """
     sphere, stride = weights.sphere, weights.stride
     middle = weights.size // stride // 2
     x, y, z = spread(0.0), spread(0.0), spread(0.0)
@@ -196,7 +229,11 @@ def force_and_gradient_sum(light, weights, wavenumber, found):  # type: ignore[n
 
 @named_njit(**OPTIONS)
 def moment_sum(light, weights, wavenumber, found):  # type: ignore[no-untyped-def]
-    """Add the moment on one component, times c/n_m, and the absorbed power."""
+    """Add the moment that one component of the light exerts, and the power that the bead absorbs.
+
+    The moment goes to found[3:6], in 4 pi^2 n_m P/c times m; the power to found[24], in 4 pi^2 P.
+    light: `Waves`. weights: `Weights`. wavenumber: k, 1/m.
+    """
     P, imaginary = light.own, light.imaginary
     table, sphere, stride, size = weights
     middle = size // stride // 2
@@ -220,7 +257,10 @@ def moment_sum(light, weights, wavenumber, found):  # type: ignore[no-untyped-de
 
 @named_njit(**OPTIONS)
 def moment_gradient_sum(light, weights, found):  # type: ignore[no-untyped-def]
-    """Add the gradient of the moment on one component, times c/n_m."""
+    """Add the gradient of the moment that one component of the light exerts to found[15:24].
+
+    It is in 4 pi^2 n_m P/c. light: `Waves`. weights: `Weights`.
+    """
     stride, size = weights.stride, weights.size
     middle = size // stride // 2
     xx, xy, xz = spread(0.0), spread(0.0), spread(0.0)
@@ -249,13 +289,18 @@ def moment_gradient_sum(light, weights, found):  # type: ignore[no-untyped-def]
 
 @named_njit(**OPTIONS)
 def both_sides(handedness, found):  # type: ignore[no-untyped-def]
-    """Turn numbers of one state into those of a mixture with its mirror image, y -> -y."""
+    """Change `found` of one polarised state into the mean over it and its mirror image, y -> -y.
+
+    handedness h: the state has the share (1 + h)/2, its mirror image (1 - h)/2. Numbers that change
+    their sign in the mirror are multiplied by h: the force along y, the moment (an axial vector)
+    along x and z, and their derivatives over x and z; of the others the derivative over y.
+    """
     for i in range(3):
         odd = i == 1
         if odd:
             found[i] *= handedness
         else:
-            found[3 + i] *= handedness  # an axial vector
+            found[3 + i] *= handedness
         for j in range(3):
             if odd != (j == 1):
                 found[6 + 3 * i + j] *= handedness
@@ -264,22 +309,27 @@ def both_sides(handedness, found):  # type: ignore[no-untyped-def]
 
 
 class Room(NamedTuple):
-    """Working memory of the sums."""
+    """Arrays for intermediate results, made once for all beads of a call."""
 
     bessel: Any
+    """Bessel functions J_v times `norm`, flattened (orders v, nodes)"""
     norm: Any
+    """(nodes,) unknown factor of the Bessel functions, see `partial_waves.bessel_functions`"""
     re: Any
+    """(nodes,) real parts of the plane waves of a part of the light, over `norm`"""
     im: Any
+    """(nodes,) their imaginary parts"""
     work: Any
+    """(2 nodes,) plane waves times Bessel functions of one order: real, then imaginary parts"""
     waves: Any
-    """(2 components, real and imaginary parts)"""
+    """(2 components, real and imaginary parts) amplitudes P_nm"""
     found: Any
     """(25,) of one state: force, moment, their gradients, absorbed power"""
 
 
 @named_njit(**OPTIONS)
 def room_for(source):  # type: ignore[no-untyped-def]
-    """Working memory for the largest rule."""
+    """Return the `Room` for the largest of the rules of a `Source`."""
     nodes = int(source.rules[-1, PADDED])
     orders, stride = 2 * source.highest + 1, source.highest + 1
     return Room(
@@ -292,15 +342,22 @@ def room_for(source):  # type: ignore[no-untyped-def]
 
 @functools.cache
 def _summed(*, moment: bool) -> Any:
-    """Return the compiled force, or moment, of light on a bead at (rho, 0, z), n_m P/c = 1.
+    """Return the compiled function that fills `sums` for a bead at (rho, 0, z).
 
-    Whether gradients are wanted is an argument: the sums with and without share the waves.
+    moment: whether it computes moments and the absorbed power besides the force. Whether gradients
+    are wanted is its argument: the sums with and without share the waves.
     """
 
     @named_njit(**OPTIONS)
     def add_up(  # type: ignore[no-untyped-def]
         data, source, gradient, rule, rho, z, azimuth, room, sums
     ):
+        """Fill `sums` (25,) with the sums over all states of the light, ordered as `found`.
+
+        data: of the kernel. source: its `Source`. gradient: whether gradients are wanted. rule:
+        number of the rule of nodes. rho, z: position of the bead, m. azimuth: (cos, sin) of its
+        azimuth in the scene. room: `Room`.
+        """
         states = matrix(data, STATES)
         elements, spheres = vector(data, ELEMENTS), matrix(data, SPHERE)
         stride = source.highest + 1
@@ -312,9 +369,10 @@ def _summed(*, moment: bool) -> Any:
             first = max(int(states[state, LOWEST]) - most, -source.highest)
             last = min(int(states[state, HIGHEST]) + most, source.highest)
             if first > last:
-                continue  # of orders m so high that the sphere does not see the light
+                continue  # the light has only orders m too high for the sphere to scatter
             components = int(states[state, COMPONENTS])
             imaginary = (last - first + 5) * stride
+            # two components are the helicities +1 and -1 until they are combined below
             for k in range(components):
                 P[k, : 2 * imaginary + 2 * LANES] = 0.0
             for part in range(int(states[state, BEGIN]), int(states[state, END])):
@@ -347,7 +405,11 @@ def _summed(*, moment: bool) -> Any:
 
 @functools.cache
 def waves_kernel(*, moment: bool) -> Kernel:
-    """The force of the light, with moments as asked, and gradients if the wrench has room."""
+    """Return the kernel that adds the force of the light, by sums over partial waves.
+
+    moment: whether it adds the moment too. It adds gradients if the wrench has arrays for them. The
+    error of a bead too far from the focus for every rule is infinite.
+    """
     add_up = _summed(moment=moment)
 
     @cached_njit(KERNEL, error_model="numpy", nogil=True)
@@ -379,9 +441,10 @@ def waves_kernel(*, moment: bool) -> Kernel:
 
 @functools.cache
 def absorption() -> Any:
-    """Compiled function of positions (n, 3), m, and data: absorbed power over the light's, (n,).
+    """Return the compiled function of the share of the light's power that a bead absorbs, (n,).
 
-    NaN where there is no rule for a bead so far from the focus.
+    Its arguments are positions (n, 3), m, and the data of `waves_kernel`. The share is NaN where a
+    bead is too far from the focus for every rule.
     """
     add_up = _summed(moment=True)
 
@@ -409,7 +472,10 @@ def absorption() -> Any:
 
 @named_njit(**OPTIONS)
 def _electric_and_magnetic(P, count):  # type: ignore[no-untyped-def]
-    """Helicities +1 and -1 (2, count) become (p^+ + p^-)/sqrt(2) and (p^+ - p^-)/sqrt(2)."""
+    """Replace amplitudes p^+, p^- of helicity +1 and -1 by those of electric and magnetic waves.
+
+    P: (2, count or more) both amplitudes, which become (p^+ + p^-)/sqrt(2), (p^+ - p^-)/sqrt(2).
+    """
     half = math.sqrt(0.5)
     for i in range(count):
         plus, minus = P[0, i], P[1, i]

@@ -75,29 +75,37 @@ _TRIALS = 4
 #: Number of functions of light that is the same all around its axis
 EVEN = 3
 
+#: Chebyshev nodes on a piece, from 1 to -1
 _NODES = np.cos(np.pi * (np.arange(ORDER) + 0.5) / ORDER)
 #: Matrix from values at the nodes to coefficients of powers
 _TO_POWERS = np.linalg.inv(np.vander(_NODES, increasing=True))
 
 
-#: What the kernel finds of eight beads: the place on the piece, and its begin (-1 outside)
+#: Entries of what the kernel finds of eight beads, and their number: the coordinates along rho and
+#: along z on the piece, from -1 to 1, and the entry at which its coefficients begin (-1 outside)
 _S, _T, _BEGIN, _FOUND = (LANES * k for k in range(4))
-#: A number so large that a sum with it is whole, also of negative numbers
+#: A number so large that doubles about it are whole numbers: adding it to a number, also a negative
+#: one, and subtracting it again rounds that to a whole number
 _ROUNDED = 1.5 * 2.0**52
-#: The number whose last 52 bits are 0, and these bits: of a sum with it they are a whole number
+#: 2^52, whose last 52 bits are 0, and a mask of these bits: in the sum of 2^52 and a whole number
+#: as a double, they are that number as an integer
 _WHOLE, _FRACTION = 2.0**52, np.uint64(2**52 - 1)
 
 
 @dataclass(frozen=True)
 class Lattice:
-    """A table as stored, in 1/k and n_m P/c."""
+    """A force table as stored: polynomials on equal pieces of the plane (rho, z).
+
+    Lengths are in 1/k, forces in n_m P/c (k: wavenumber, n_m: refractive index, P: power).
+    """
 
     reach: float
-    """range, distance from the focus"""
+    """largest distance from the focus at which the table is read"""
     width: Array
     """(2,) of a piece along rho and z"""
     pieces: Array
-    """(along z, along rho, functions, ORDER powers of z, ORDER powers of rho)"""
+    """coefficients of the functions f, h, g and so on, see the module: (pieces along z, pieces
+    along rho, functions, ORDER powers of z, ORDER powers of rho)"""
     moment: bool
     """whether the moment is tabled, after the force"""
     certified: float
@@ -113,12 +121,15 @@ class Lattice:
         return int(self.pieces.shape[0] * self.pieces.shape[1])
 
     def kernel(self, *, gradient: bool) -> Kernel:
-        """Kernel that reads it."""
+        """Return the kernel that reads this table; gradient: whether it adds gradients too."""
         functions = self.pieces.shape[2] // (2 if self.moment else 1)
         return lattice_kernel(gradient=gradient, functions=functions, moment=self.moment)
 
     def data(self, unit: float, strength: float, beyond: Part) -> Data:
-        """Data of the kernel. unit: 1/k, m. strength: n_m P/c, N. beyond: force out of range."""
+        """Return the data of the kernel.
+
+        unit: 1/k, m. strength: n_m P/c, N. beyond: the force beyond `reach`.
+        """
         along, across = self.pieces.shape[:2]
         shape = np.array(
             [1 / unit, strength, self.certified * strength, self.reach, across, along,
@@ -137,12 +148,16 @@ def build(
     moment: bool,
     progress: Progress | None = None,
 ) -> Lattice:
-    """The table of a force within `reach` of the focus.
+    """Compute the table of a force within `reach` of the focus.
 
-    band: largest wave numbers across and along the light, in k. symmetric: whether the light is the
-    same all around its axis. Pieces are made smaller until the table errs by less than `tolerance`
-    of the largest force at random places; twice its largest error there, and that of the force
-    itself, is the certified error. Raises `SceneError` for a range of too many pieces.
+    evaluate: returns the force at positions. band: largest wave numbers of the force across and
+    along the light, in k. reach: in 1/k. tolerance: as a part of the largest force. symmetric:
+    whether the light is the same all around its axis. moment: whether the moment is tabled too.
+    progress: called with the part that is done.
+
+    Pieces are made smaller until the table errs by less than `tolerance` of the largest force at
+    random places. The certified error is twice the sum of its largest error there and the largest
+    error of the force itself. Raises `SceneError` for a range of too many pieces.
     """
     began = time.perf_counter()
     half_width = _HALF_WIDTH * (tolerance / 1e-7) ** (1 / ORDER)
@@ -165,7 +180,12 @@ def build(
 
 
 def _counts(band: tuple[float, float], reach: float, tolerance: float) -> tuple[int, int]:
-    """Numbers of Chebyshev nodes, for degrees beyond which Bessel functions are below it."""
+    """Return the numbers of Chebyshev nodes across and along the light over [-reach, reach].
+
+    The coefficients of a plane wave of wave number b are the Bessel functions J_n(b reach). The
+    numbers are the degrees n from which these are below a hundredth of `tolerance`. band: the wave
+    numbers across and along, in k; reach: in 1/k.
+    """
     digits = -math.log(1e-2 * tolerance)
     far = [
         edge * reach + (1.5 * digits) ** (2 / 3) * (edge * reach / 2) ** (1 / 3) + 8
@@ -183,9 +203,11 @@ def _sampled(
     symmetric: bool,
     moment: bool,
 ) -> tuple[Array, float]:
-    """Chebyshev coefficients of the functions over [-reach, reach], (functions, along, across).
+    """Return the Chebyshev series of the functions of (rho, z), and the largest force sampled.
 
-    Those across the light are of even degree. Also the largest force.
+    The functions are f, h, g and so on, see the module, those of the moment last. The series is
+    (functions, along, across), over [-reach, reach] of z and of rho; as the functions are even in
+    rho, `across` counts even degrees alone. Arguments are those of `build`.
     """
     across, along = _counts(band, reach, tolerance)
     rho = reach * chebyshev.chebpts1(across)[across // 2 :]
@@ -202,6 +224,7 @@ def _sampled(
         for field in (found.force, found.moment)[: 2 if moment else 1]
     ]
     values = np.concatenate(functions)
+    # values at the nodes times these are coefficients; half of the nodes of rho are its negatives
     even = 2 * chebyshev.chebvander(rho / reach, across - 2)[:, ::2] / (across / 2)
     even[:, 0] /= 2
     whole = 2 * chebyshev.chebvander(z / reach, along - 1) / along
@@ -211,7 +234,12 @@ def _sampled(
 
 
 def _functions(vectors: Array, rho: Array, azimuths: Array) -> Array:
-    """f, h, g, and the parts of U, V, W, from vectors (along z, rho, azimuths, 3)."""
+    """Return f, h, g and the real and imaginary parts of U, V, W, (functions, along z, rho).
+
+    They are those of the module, which describe a field of vectors by (rho, z). vectors: (along z,
+    rho, azimuths, 3); rho: in 1/k; azimuths: rad, one for light that is the same all around its
+    axis, which has f, h and g alone, or three evenly over half a turn.
+    """
     turn = np.exp(-1j * azimuths)
     lateral = (vectors[..., 0] + 1j * vectors[..., 1]) * turn  # radial + i azimuthal
     axial = vectors[..., 2]
@@ -230,7 +258,11 @@ def _functions(vectors: Array, rho: Array, azimuths: Array) -> Array:
 def _divided(
     series: Array, band: tuple[float, float], reach: float, half_width: float, moment: bool
 ) -> Lattice:
-    """The lattice of a Chebyshev series."""
+    """Return the table of polynomials on pieces that equals a Chebyshev series at their nodes.
+
+    series: (functions, along, across), as from `_sampled`. band, reach, moment: as in `build`.
+    half_width: of a piece, in 1/B, B the wave number of the band. Its errors are not known yet: 0.
+    """
     counts = _pieces(band, reach, half_width, series.shape[0])
     across = _to_pieces(counts[0], 0.0, 1.0, 2 * series.shape[2] - 2)[:, :, ::2]
     along = _to_pieces(counts[1], -1.0, 1.0, series.shape[1] - 1)
@@ -242,7 +274,11 @@ def _divided(
 def _pieces(
     band: tuple[float, float], reach: float, half_width: float, functions: int
 ) -> list[int]:
-    """Numbers of pieces along rho and z. Raises `SceneError` if they are too many."""
+    """Return the numbers of pieces along rho and z. Raises `SceneError` if they are too many.
+
+    band: wave numbers along both, in k; reach: in 1/k; half_width: of a piece, in 1/B, B the wave
+    number; functions: number of functions on each piece.
+    """
     counts = [
         max(1, math.ceil(edge * length / (2 * half_width)))
         for edge, length in zip(band, (reach, 2 * reach), strict=True)
@@ -257,14 +293,21 @@ def _pieces(
 
 
 def _to_pieces(count: int, begin: float, end: float, degree: int) -> Array:
-    """Matrix from Chebyshev coefficients to powers on each piece, (count, ORDER, degree + 1)."""
+    """Return the matrices from a Chebyshev series on [-1, 1] to powers on each of its pieces.
+
+    They are (count, ORDER, degree + 1): `count` equal pieces of [begin, end], powers of the
+    coordinate from -1 to 1 on a piece, Chebyshev coefficients up to `degree`.
+    """
     middle = begin + (end - begin) * (np.arange(count) + 0.5) / count
     places = middle[:, None] + (end - begin) / (2 * count) * _NODES
     return np.einsum("an,cnd->cad", _TO_POWERS, chebyshev.chebvander(places, degree))
 
 
 def _compared(evaluate: Evaluate, lattice: Lattice) -> tuple[float, float]:
-    """Certified error of the table, and the largest force met."""
+    """Return the certified error of a table and the largest force at the places compared, n_m P/c.
+
+    The table is compared with `evaluate` at random places within its range.
+    """
     rng = np.random.default_rng(5)
     count = max(_COMPARED, lattice.count)
     directions = rng.normal(size=(count, 3))
@@ -280,7 +323,12 @@ def _compared(evaluate: Evaluate, lattice: Lattice) -> tuple[float, float]:
 
 @functools.cache
 def lattice_kernel(*, gradient: bool, functions: int, moment: bool) -> Kernel:
-    """Reads a lattice of so many functions of force; another force where it ends."""
+    """Return the kernel that reads a `Lattice`, and another force beyond its reach.
+
+    gradient: whether it adds gradients. functions: number of functions of (rho, z) for the force.
+    moment: whether the moment is tabled too, by as many. Entries of its data: numbers and lengths,
+    coefficients, the other force.
+    """
     kinds, all_functions = 3 if gradient else 1, 2 * functions if moment else functions
     of_rows = all_functions * ROWS * (2 if gradient else 1)
     of_values, of_piece = kinds * all_functions * LANES, all_functions * COEFFICIENTS
@@ -294,7 +342,7 @@ def lattice_kernel(*, gradient: bool, functions: int, moment: bool) -> Kernel:
             numbers[shape], numbers[shape + 1], numbers[shape + 2], numbers[shape + 3],
         )  # fmt: skip
         across, along = numbers[shape + 4], numbers[shape + 5]
-        # of the local coordinates, from -1 to 1 on a piece, over rho and z
+        # slopes of the local coordinates, from -1 to 1 on a piece, over rho and z in 1/k
         per_width, per_height = numbers[shape + 6], numbers[shape + 7]
         pieces = begin_of(data, 1)
         first, there = on_stack(LANES, np.int64), on_stack(LANES, np.int64)
@@ -305,6 +353,7 @@ def lattice_kernel(*, gradient: bool, functions: int, moment: bool) -> Kernel:
             many = min(LANES, n - at)
             x, y, z = coordinates(pose.position, at, many, found)
             x, y, z = wavenumber * x, wavenumber * y, wavenumber * z
+            # beads outside read the first piece, whose values are then left out by `there`
             square = x * x + y * y
             rho = root(square)
             s, t = (0.5 * per_width) * rho, (0.5 * per_height) * (z + reach)
@@ -329,6 +378,7 @@ def lattice_kernel(*, gradient: bool, functions: int, moment: bool) -> Kernel:
                         add_one(part(data, 2), pose, at + k, wrench)
             read(numbers, first, all_functions, many, found, _T, _S, gradient, rows, values)
             slope = per_width / rho
+            # 0 on the axis, where rho = 0 has no bit set and 1/rho is infinite
             slope = chosen(as_words(rho), slope, spread(0.0))
             _put(
                 values, 0, functions, x, y, slope, per_height, strength, wavenumber, gradient,
@@ -350,7 +400,11 @@ def lattice_kernel(*, gradient: bool, functions: int, moment: bool) -> Kernel:
 
 @named_njit(**INNER)
 def _piece(place, count):  # type: ignore[no-untyped-def]
-    """Numbers of the pieces along an axis at places in widths of a piece, below `count`."""
+    """Return the numbers, from 0, of the pieces in which eight beads are, along one axis.
+
+    place: coordinates in widths of a piece, from the begin of the first. count: number of pieces;
+    places beyond them give the first or the last. A place less 1/2, rounded, is its floor.
+    """
     rounded = ((place - 0.5) + _ROUNDED) - _ROUNDED
     last = spread(count - 1.0)
     within = chosen(below(last, rounded), last, rounded)
@@ -359,7 +413,13 @@ def _piece(place, count):  # type: ignore[no-untyped-def]
 
 @named_njit(**INNER)
 def _function(values, at, slope, per_height, x, y, gradient):  # type: ignore[no-untyped-def]
-    """A function and its derivatives over x, y and z, of eight beads."""
+    """Return one function of (rho, z) and its derivatives over x, y, z in 1/k, for eight beads.
+
+    values: as `read` leaves them, the function's from `at` on: itself, and its derivatives over the
+    local coordinates (-1 to 1 on a piece) of z and of rho. slope: (d local/d rho)/rho; per_height:
+    d local/dz; x, y: of the beads; all in 1/k. Without `gradient` the value stands in for the
+    derivatives, which are not read: compiled code always returns four.
+    """
     value = lanes(values, at)
     if not gradient:
         return value, value, value, value
@@ -369,9 +429,12 @@ def _function(values, at, slope, per_height, x, y, gradient):  # type: ignore[no
 
 @named_njit(**INNER)
 def _put(values, at, functions, x, y, slope, per_height, unit, wavenumber, gradient, parts):  # type: ignore[no-untyped-def]
-    """Fill `parts` with a vector and its gradient from the functions f, h, g (and U, V, W).
+    """Fill `parts` with a vector of eight beads, force or moment, and its gradient.
 
-    values: those of the functions from `at` on, as `read` leaves them.
+    The vector follows from the functions f, h, g, and U, V, W if there are nine functions, by the
+    formulas of the module. values: those of the functions from `at` on, as `read` leaves them.
+    slope, per_height, x, y, gradient: see `_function`. unit: of the vector, N or N m. wavenumber:
+    k, 1/m; the gradient is in unit k. parts: see `polynomials.add_up`.
     """
     each = 3 * LANES if gradient else LANES
     f = _function(values, at, slope, per_height, x, y, gradient)
@@ -380,6 +443,7 @@ def _put(values, at, functions, x, y, slope, per_height, unit, wavenumber, gradi
     put(f, h, g, x, y, unit, wavenumber, gradient, parts)
     if functions == EVEN:
         return
+    # capital letters: real parts, small ones: imaginary parts
     U = _function(values, at + 3 * each, slope, per_height, x, y, gradient)
     u = _function(values, at + 4 * each, slope, per_height, x, y, gradient)
     V = _function(values, at + 5 * each, slope, per_height, x, y, gradient)
@@ -387,9 +451,10 @@ def _put(values, at, functions, x, y, slope, per_height, unit, wavenumber, gradi
     W = _function(values, at + 7 * each, slope, per_height, x, y, gradient)
     w = _function(values, at + 8 * each, slope, per_height, x, y, gradient)
     scale = unit * wavenumber
+    # zeta^2 and zeta^3, zeta = x + i y
     re_2, im_2 = x * x - y * y, 2.0 * x * y
     re_3, im_3 = x * re_2 - y * im_2, x * im_2 + y * re_2
-    for k in range(4 if gradient else 1):
+    for k in range(4 if gradient else 1):  # k = 0: the vector; 1 to 3: its derivative over x, y, z
         size = unit if k == 0 else scale
         a = U[k] * x + u[k] * y + V[k] * re_3 - v[k] * im_3
         b = u[k] * x - U[k] * y + V[k] * im_3 + v[k] * re_3
@@ -415,4 +480,5 @@ def _put(values, at, functions, x, y, slope, per_height, unit, wavenumber, gradi
 
 @named_njit(**INNER)
 def _add(parts, at, value):  # type: ignore[no-untyped-def]
+    """Add eight numbers to those of `parts` from the entry `at` on."""
     store(parts, at, lanes(parts, at) + value)

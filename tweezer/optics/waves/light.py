@@ -44,7 +44,7 @@ class Waves(Light):
 
     @property
     def size_parameter(self) -> float:
-        """k a."""
+        """Size parameter k a of the bead: wavenumber in the medium times radius."""
         return self.wavenumber * self.radius
 
     @property
@@ -54,7 +54,10 @@ class Waves(Light):
 
     @property
     def odd(self) -> bool:
-        """Whether its parts are odd in sin(theta) beside their amplitudes."""
+        """Whether integrands over the cone are odd in sin(theta), beside the light's amplitude.
+
+        Bessel functions and harmonics give the parity of helicity + J_z of a part of the light.
+        """
         parts = [part for each in self.states for part in each.parts]
         return any((part.helicity + part.angular_momentum) % 2 for part in parts)
 
@@ -97,20 +100,23 @@ class Waves(Light):
         return Box(width, depth, reach, sine, self.farthest)
 
     def of_radius(self, radius: float) -> Waves:
-        """The same on a sphere scaled to that radius, m."""
+        """Return this light with the sphere, and all its layers, scaled to another radius, m."""
         factor = radius / self.radius
         shells = tuple((outer * factor, index) for outer, index in self.shells)
         return dataclasses.replace(self, radius=radius, shells=shells)
 
 
 def _height(width: float, spread: float, ends: float) -> float:
-    """The z > 0 at which a rim at `width` + `spread` z is the distance `ends` from the focus, m."""
+    """Return the z > 0 at which the rim of a box is the distance `ends` from the focus, m.
+
+    The rim is at `width` + `spread` z from the axis.
+    """
     square, half = 1 + spread**2, width * spread
     return (math.sqrt(half**2 + square * (ends**2 - width**2)) - half) / square
 
 
 def waves_on_bead(scene: Scene) -> Waves:
-    """The light of the one beam of `scene` as waves, on its bead."""
+    """Return the light of the one beam of `scene` as plane waves, and its bead."""
     n_m, cover, beam = scene.medium.refractive_index, scene.lens.cover, scene.beam
     vacuum = 2 * math.pi / beam.wavelength
     face = None if cover is None else Face(cover.refractive_index, n_m, vacuum * cover.depth)

@@ -24,13 +24,13 @@ from tweezer.values.errors import SceneError
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-#: Degree at which the light in the cone is sampled, and the largest that is used
+#: Degree of the Chebyshev series for which the light in the cone is sampled; largest that is used
 _MOST_DEGREES, _MOST_USED = 1024, 400
 #: Largest error of the light's series, as a part of its peak
 _LARGEST_ERROR = 1e-2
 #: Numbers of nodes: steps of 4 up to this number, of an eighth of the number above it
 _FINE = 24
-#: Largest number of phases at which a number of nodes is tried
+#: Largest number of phases for which the error of a number of nodes is computed
 _MOST_ARGUMENTS = 256
 #: Largest number of nodes
 _MOST_NODES = 4096
@@ -47,18 +47,22 @@ class Variable:
 
     @property
     def phases(self) -> tuple[float, float]:
-        """Largest phase over the cone by 1/k across and by 1/k along the light, rad.
+        """Largest phase over the cone for a bead 1/k off across, and 1/k off along the light, rad.
 
-        It is that of a phase which is everywhere as steep as k r.s where it is steepest: across the
-        light on the axis. There sin(theta) is 2 sin(theta_m/2) y, y^2 = (1 - cos(theta))/(1 -
-        cos(theta_m)), and even functions of y are functions of y^2 of half the degree.
+        The phase is k r.s of a plane wave along s at r. Its slope over the variable is largest on
+        the axis for r across the light; the value is the phase of that slope over all of the cone.
+        On the axis sin(theta) is 2 sin(theta_m/2) y, y^2 = (1 - cos(theta))/(1 - cos(theta_m)), and
+        even functions of y are functions of y^2 of half the degree.
         """
         if self.of_angle:
             return self.half_angle, math.sin(self.half_angle) * self.half_angle
         return 2 * math.sin(self.half_angle / 2), 2 * math.sin(self.half_angle / 2) ** 2
 
     def at(self, x: Array) -> tuple[Array, Array]:
-        """1 - cos(theta) and its derivative, at x from -1, the rim, to 1, the axis."""
+        """Return 1 - cos(theta) and the derivative of cos(theta) over x.
+
+        x goes from -1, the rim of the cone, to 1, the axis.
+        """
         if self.of_angle:
             theta = self.half_angle * (1 - x) / 2
             return 2 * np.sin(theta / 2) ** 2, np.sin(theta) * self.half_angle / 2
@@ -68,7 +72,7 @@ class Variable:
 
 @dataclass(frozen=True)
 class Rule:
-    """Nodes of one number, and the largest phase that they integrate."""
+    """Nodes and weights of one integration rule, and the largest phase that they integrate."""
 
     below: Array
     """(n,) 1 - cos(theta), from the rim to the axis"""
@@ -86,7 +90,7 @@ class Nodes:
     odd: bool
     """whether the integrand, beside the light's amplitude, is odd in sin(theta)"""
     wanted: float
-    """wanted error of an integral, as a part of that of the light's amplitude"""
+    """wanted error of an integral, as a part of the integral of the light's amplitude"""
 
     @property
     def error(self) -> float:
@@ -95,7 +99,10 @@ class Nodes:
 
     @functools.cached_property
     def shift(self) -> float:
-        """Phase of the light, rad, over 1 - cos(theta): what its focus is off along the axis."""
+        """Slope of the light's phase over 1 - cos(theta), rad: k times its focus's shift in z.
+
+        It is fitted; a face before the focus moves it.
+        """
         if self.focus.face is None:
             return 0.0
         below, _ = Variable(self.focus.half_angle, False).at(np.linspace(-1, 1, 2001))
@@ -106,8 +113,10 @@ class Nodes:
 
     @functools.cached_property
     def _series(self) -> tuple[Variable, Array, float]:
-        """The variable in which the light is the smoother one, sizes of its coefficients, and the
-        error that these leave.
+        """The variable in which the light's amplitude needs fewer nodes, and its Chebyshev series.
+
+        The series is given by the sizes of its coefficients and the error that these leave, both as
+        parts of the largest amplitude.
         """
         found = [
             (variable, *self._coefficients(variable))
@@ -118,9 +127,10 @@ class Nodes:
         return found[0] if len(few) <= wide and error <= 2 * other_error else found[1]
 
     def _coefficients(self, variable: Variable) -> tuple[Array, float]:
-        """Sizes of the Chebyshev coefficients of the light's amplitude that count; error of these.
+        """Return the sizes of the light's Chebyshev coefficients over the cone, and their error.
 
-        Sizes and error are parts of the largest amplitude.
+        Coefficients of high degree that do not count are left out. Sizes and error are parts of the
+        largest amplitude. Raises `SceneError` if the series converges too slowly.
         """
         n = _MOST_DEGREES
         below, _ = variable.at(np.cos(np.pi * np.arange(n + 1) / n))
@@ -150,7 +160,7 @@ class Nodes:
         return self._series[0]
 
     def up_to(self, phase: float) -> list[Rule]:
-        """Rules in the order of their number of nodes, the last for at least `phase`, rad.
+        """Return rules in the order of their number of nodes, the last for at least `phase`, rad.
 
         Raises `SceneError` if they are too many.
         """
@@ -171,7 +181,10 @@ class Nodes:
         return rules
 
     def _largest_phase(self, count: int) -> float:
-        """Largest phase that `count` nodes integrate to the allowed error, rad; below 0: none."""
+        """Return the largest phase that `count` nodes integrate to the allowed error, rad.
+
+        It is below 0 if they do not even integrate light without a phase.
+        """
         sizes = self._series[1]
         degrees = 2 * count
         if degrees <= len(sizes) and sizes[degrees - 1 :].sum() > self.error:
@@ -189,9 +202,11 @@ _gauss = functools.lru_cache(maxsize=128)(leggauss)
 
 @functools.lru_cache(maxsize=64)
 def _tails(degree: int) -> tuple[Array, Array]:
-    """Arguments x (n,) from 0 to `degree`, and sum over k >= j of 2 |J_k(x)|, (degree + 1, n).
+    """Return arguments x (n,) up to `degree`, and the sums over k >= j of 2 |J_k(x)|.
 
-    By Miller's recurrence from an order beyond all that count.
+    The sums, (degree + 1, n), of row j bound what a Chebyshev series of exp(i x y) in y leaves out
+    beyond degree j - 1. The Bessel functions J_k come from Miller's recurrence, downward from an
+    order beyond all that count.
     """
     x = np.linspace(0.0, degree, min(2 * degree, _MOST_ARGUMENTS) + 1)[1:]
     extra = degree + 30 + int(3 * degree ** (1 / 3))
@@ -199,6 +214,7 @@ def _tails(degree: int) -> tuple[Array, Array]:
     values[extra] = 1e-300
     for k in range(extra, 0, -1):
         values[k - 1] = 2 * k / x * values[k] - values[k + 1]
+        # rescale columns before they overflow: their common factor is divided out at the end
         large = np.abs(values[k - 1]) > 1e200
         if large.any():
             values[:, large] *= 1e-200

@@ -38,32 +38,33 @@ HELICITY, MOMENTUM, RE, IM = range(4)
 
 
 class Source(NamedTuple):
-    """What the amplitudes are computed from."""
+    """The light and the nodes of integration, from which the amplitudes P_nm are computed."""
 
     wavenumber: float
     """k, 1/m"""
     shift: float
-    """phase of the light over 1 - cos(theta), which its amplitudes leave out"""
+    """rad: the light has the phase `shift` (1 - cos(theta)), which its amplitudes leave out"""
     radius: float
-    """a, m"""
+    """of the bead, m"""
     half_angle: float
-    """theta_m, rad"""
+    """theta_m, polar angle of the outermost wave, rad"""
     sine: float
     """sin(theta_m)"""
     phases: Array
-    """(2,) phase over the cone by 1/k across and by 1/k along the light, rad"""
+    """(2,) largest phase over the cone for each 1/k that the bead is off across and along the
+    light, rad"""
     dropped: float
     """bound on the Bessel functions of the orders m that are left out, if the bead is in the light.
     They enter squared; else the bound is its square"""
     rules: Array
-    """(rules, 5)"""
+    """(rules, 5) numbers of each rule of integration, see NODES and so on"""
     nodes: Array
-    """(2 + 2 parts, all nodes)"""
+    """(2 + 2 parts, nodes of all rules), see BELOW and so on; real, imaginary part of each part"""
     harmonics: Array
     """of all rules, one after the other: for each order (nodes, degrees), of the degrees from |m|
     down to a multiple of LANES"""
     parts: Array
-    """(parts, 4)"""
+    """(parts, 4) of the light, see HELICITY and so on"""
     begins: Array
     """(orders,) first of the harmonics of each order, over the number of nodes"""
     highest: int
@@ -72,7 +73,7 @@ class Source(NamedTuple):
 
 @named_njit(**OPTIONS)
 def source_of(data, first):  # type: ignore[no-untyped-def]
-    """The `Source` whose fields are the entries of a force's data from `first` on."""
+    """Return the `Source` whose fields are the entries of a force's data from `first` on."""
     return Source(
         number(data, first), number(data, first + 1), number(data, first + 2),
         number(data, first + 3), number(data, first + 4), vector(data, first + 5),
@@ -84,7 +85,10 @@ def source_of(data, first):  # type: ignore[no-untyped-def]
 
 @named_njit(**OPTIONS)
 def rule_for(source, rho, z):  # type: ignore[no-untyped-def]
-    """Number of the rule for a bead at (rho, z), m; -1 if none is for so large a phase."""
+    """Return the number of the rule that integrates the light about a bead at (rho, z), m.
+
+    It is the one of fewest nodes whose largest phase is not exceeded; -1 if there is none.
+    """
     phase = source.wavenumber * (source.radius * source.half_angle + rho * source.phases[0])
     phase += abs(source.wavenumber * z - source.shift) * source.phases[1]
     for at in range(source.rules.shape[0]):
@@ -97,8 +101,10 @@ def rule_for(source, rho, z):  # type: ignore[no-untyped-def]
 def bessel_functions(source, rule, rho, bessel, norm):  # type: ignore[no-untyped-def]
     """Fill `bessel` (orders, nodes) with J_v(k rho sin(theta)) times norm (nodes,), v = 0, 1, ...
 
-    Downward recurrence, each node from an order where J_v is below rounding (Miller). Returns the
-    largest order that counts.
+    The recurrence goes down, at each node from an order where J_v is below rounding, with an
+    arbitrary value there (Miller); `norm` is filled with the factor that this leaves, from
+    J_0 + 2 (J_2 + J_4 + ...) = 1. source: `Source`; rule: its number; rho: of the bead, m. Both
+    arrays are flattened, with a padded number of nodes. Returns the largest order that counts.
     """
     padded = int(source.rules[rule, PADDED])
     first = int(source.rules[rule, FIRST_NODE])
@@ -112,7 +118,7 @@ def bessel_functions(source, rule, rho, bessel, norm):  # type: ignore[no-untype
     bessel[: (top + 2) * padded] = 0.0
     for q in range(padded):
         x = max(lateral * source.nodes[SINE, first + q], _LEAST)
-        norm[q] = 2.0 / x
+        norm[q] = 2.0 / x  # until the sum replaces it below
         bessel[begin(x) * padded + q] = _SEED
     for block in range(0, padded, LANES):
         two_over_x = lanes(norm, block)
@@ -139,7 +145,7 @@ def bessel_functions(source, rule, rho, bessel, norm):  # type: ignore[no-untype
 
 @named_njit(**OPTIONS)
 def begin(x):  # type: ignore[no-untyped-def]
-    """Order at which J_v(x) is below rounding."""
+    """Return an order v > x from which on the Bessel functions J_v(x) are below rounding."""
     if x < 0.1:
         return 10
     return int(x + 7.0 * x ** (1.0 / 3.0)) + 12
@@ -147,7 +153,11 @@ def begin(x):  # type: ignore[no-untyped-def]
 
 @named_njit(**OPTIONS)
 def plane_waves(source, rule, part, z, norm, re, im):  # type: ignore[no-untyped-def]
-    """Weighted amplitudes of the plane waves of a part at a bead's height, over `norm`."""
+    """Fill re, im (nodes,) with the plane waves of a part of the light at a bead's height z, m.
+
+    They are g(u) exp(i k z u) times the weight of the node, up to a constant phase, over `norm`:
+    times `bessel` they are the integrand of P_nm. source: `Source`; rule, part: numbers of both.
+    """
     first = int(source.rules[rule, FIRST_NODE])
     height = source.wavenumber * z - source.shift
     for q in range(int(source.rules[rule, NODES])):
@@ -161,11 +171,12 @@ def plane_waves(source, rule, part, z, norm, re, im):  # type: ignore[no-untyped
 
 @named_njit(**OPTIONS)
 def add_part(source, rule, part, azimuth, most, room, low, out):  # type: ignore[no-untyped-def]
-    """Add the amplitudes of a part of the light to `out`, (2 rows of orders, degrees), flattened.
+    """Add the amplitudes P_nm of a part of the light to `out`, by sums over the nodes.
 
-    azimuth: (cos, sin) of the bead's. most: largest order of the Bessel functions. room: with these
-    and the plane waves. low: order m of the first row of `out`; its rows of imaginary parts follow
-    all of the real ones.
+    source: `Source`; rule, part: numbers of the rule of nodes and of the part of the light.
+    azimuth: (cos, sin) of the bead's azimuth. most: largest order of the Bessel functions. room:
+    `kernel.Room` with Bessel functions and plane waves. out: flattened (2, orders, degrees), all
+    real parts before the imaginary ones; low: order m of its first row.
     """
     bessel, re, im, work = room.bessel, room.re, room.im, room.work
     highest = source.highest
@@ -186,7 +197,7 @@ def add_part(source, rule, part, azimuth, most, room, low, out):  # type: ignore
             sign = 1.0
             if side == 1 and v % 2 == 1:
                 sign = -1.0  # J_-v = (-1)^v J_v
-            row = m
+            row = m  # of the table; helicity -1 has the mirror images, see `harmonics`
             if helicity < 0:
                 row = -m
                 if m % 2 != 0:
@@ -199,7 +210,8 @@ def add_part(source, rule, part, azimuth, most, room, low, out):  # type: ignore
             for block in range(low_degree, stride, LANES):
                 sum_re, sum_im = spread(0.0), spread(0.0)
                 other_re, other_im = spread(0.0), spread(0.0)
-                for q in range(0, count, 2):  # in two sums, as each waits for its last term
+                # two sums over every other node: an addition waits for the one before it
+                for q in range(0, count, 2):
                     f = lanes(source.harmonics, table + q * width + block)
                     sum_re = sum_re + f * work[q]
                     sum_im = sum_im + f * work[padded + q]
@@ -215,7 +227,7 @@ def add_part(source, rule, part, azimuth, most, room, low, out):  # type: ignore
 
 @named_njit(**OPTIONS)
 def turned(re, im, azimuth, j):  # type: ignore[no-untyped-def]
-    """(re, im) times (-i exp(i phi))^j, azimuth = (cos(phi), sin(phi))."""
+    """Return (re, im), a complex number, times (-i exp(i phi))^j; azimuth: (cos(phi), sin(phi))."""
     x, y = azimuth[1], -azimuth[0]
     if j < 0:
         y = -y

@@ -25,27 +25,36 @@ Number = float | complex
 
 @dataclass(frozen=True)
 class _Solutions:
-    """psi_n(z) and a second solution, n = 1, 2, ..., by what does not overflow."""
+    """Two solutions for a wave of degree n = 1, 2, ... at one surface, as numbers without overflow.
 
-    #: z f'/f - (n+1) of each
+    They are psi_n(z), the Riccati-Bessel function that is regular at 0, and chi_n or xi_n, at
+    z = m k r: m is the index of the layer relative to the medium, k r the surface's radius.
+    """
+
+    #: z f'/f - (n+1) of psi_n and of the second solution
     psi: Array
     second: Array
-    #: their ratio over the ratio of the degree before; the first is the ratio times exp(2 i decay)
+    #: ratio of psi_n to the second over that of degree n - 1; the first is ratio 1 exp(2 i decay)
     steps: Array
+    #: z if the second solution is xi_n, else 0: keeps exponentials of z out of the steps
     decay: Number
 
     def ratio(self) -> Array:
-        """psi_n over the second solution."""
+        """Return psi_n over the second solution, times exp(2 i decay)."""
         return np.cumprod(self.steps)
 
     def ratio_over(self, outer: _Solutions) -> Array:
-        """The same over that at another place."""
+        """Return the ratio of psi_n to the second solution here over the same ratio at `outer`."""
         across = np.exp(2j * (outer.decay - self.decay)) if outer.decay else 1.0
         return across * np.cumprod(self.steps / outer.steps)
 
 
 def _reduced_derivatives(z: Number, highest: int) -> Array:
-    """z psi_n'/psi_n - (n+1) for n = 1..highest, downward: -z^2/(2n + 3 + that of n+1)."""
+    """Return g_n = z psi_n'/psi_n - (n+1) for n = 1..highest, psi_n the Riccati-Bessel function.
+
+    The recurrence goes down, from an order where the start does not matter:
+    g_n = -z^2/(2n + 3 + g_(n+1)).
+    """
     begin = int(max(highest, abs(z)) + _BEGIN_ABOVE[0] + _BEGIN_ABOVE[1] * abs(z) ** (1 / 3))
     found = np.empty(highest, dtype=type(z))
     g = 0 * z
@@ -57,7 +66,10 @@ def _reduced_derivatives(z: Number, highest: int) -> Array:
 
 
 def _ratios_upward(first: Number, z: Number, highest: int) -> Array:
-    """f_n/f_(n-1) for n = 1..highest of a solution that does not fall with n."""
+    """Return the ratios f_n/f_(n-1) for n = 1..highest of a solution that does not fall with n.
+
+    first: the ratio for n = 1. Recurrence of Riccati-Bessel functions, which is stable upward here.
+    """
     found = np.empty(highest, dtype=type(z))
     found[0] = first
     for n in range(2, highest + 1):
@@ -66,7 +78,11 @@ def _ratios_upward(first: Number, z: Number, highest: int) -> Array:
 
 
 def _solutions(z: Number, highest: int, by_xi: bool) -> _Solutions:
-    """psi_n and chi_n, or psi_n and xi_n = psi_n - i chi_n, where the light decays in the layer."""
+    """Return the two solutions at z for n = 1..highest.
+
+    by_xi: take xi_n = psi_n - i chi_n as the second, where the light decays in the layer so much
+    that psi_n and chi_n are proportional within rounding; else chi_n.
+    """
     n = np.arange(1, highest + 1)
     psi = _reduced_derivatives(z, highest)
     rises = z / (2 * n + 1 + psi)
@@ -125,7 +141,7 @@ def mie_coefficients(
 
 
 def _change(c: NDArray[np.complex128], d: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """(1 - 2 c)* (1 - 2 d) - 1."""
+    """Return (1 - 2 c)* (1 - 2 d) - 1, without the cancellation for small c and d."""
     return 4 * c.conj() * d - 2 * (c.conj() + d)
 
 
