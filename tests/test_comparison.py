@@ -434,3 +434,22 @@ def test_a_calibration_is_compared_with_the_trap_of_a_scene(command_line, off, a
     done = command_line("compare", "trap.json", "k.json")
     assert done.code == (0 if agrees else 1)
     assert "pN/um, p = " in done.out
+
+
+def wall(position: float, uncertainty: float = 2e-8) -> tweezer.Surface:
+    return tweezer.Surface(position, uncertainty, 1.0, None, 9e-9, 1e-10, (), ("a",), None, ())
+
+
+def test_walls_are_compared_by_their_standard_uncertainties(tmp_path):
+    """2.6 standard errors of the difference have a probability of 0.93 %, 2.5 of 1.24 %."""
+    apart = 2.6 * np.hypot(2e-8, 1e-8)
+    first = tweezer.save(wall(1e-6), tmp_path / "first.json")
+    for other in (wall(1e-6 + apart, 1e-8), wall(1e-6 + apart * 2.5 / 2.6, 1e-8)):
+        found = tweezer.compare(first, other)
+        (position,) = found.quantities
+        chance = 2 * stats.norm.sf(abs(other.position - 1e-6) / np.hypot(2e-8, 1e-8))
+        assert position.p_value == pytest.approx(chance, rel=1e-3)
+        assert found.agrees == (chance > 0.01)
+    assert tweezer.compare(first, wall(1e-6)).same
+    with pytest.raises(tweezer.ResultError, match="of the kind surface"):
+        tweezer.compare(first, tweezer.characterise(tweezer.load_scene("silica-1um")))

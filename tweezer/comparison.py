@@ -19,15 +19,17 @@ from scipy.special import fdtr, fdtrc, ndtr, ndtri, stdtr
 
 from tweezer.calibration.results import Calibration
 from tweezer.calibration.spectra import statistical_inefficiency
+from tweezer.calibration.surface import Surface
 from tweezer.results.io import load_result, scene_of
 from tweezer.results.run import Run
+from tweezer.results.saving import load
 from tweezer.results.schema import of_validation, plain
 from tweezer.scene import by_key
 from tweezer.sweeps.quantities import FAILED, MISSING
 from tweezer.trap.saved_trap import trap_in
 from tweezer.trap.trap import Trap
 from tweezer.values.errors import ResultError
-from tweezer.values.measured import DIMENSIONS, Measured, Result
+from tweezer.values.measured import DIMENSIONS, STANDARD, Measured, Result
 from tweezer.values.prefixes import usual_unit
 from tweezer.values.printed import printed
 from tweezer.values.saved import COMPARED, kind_of, read_json, refusal
@@ -195,15 +197,15 @@ class Comparison(Shown):
         return Card("Comparison", of, tuple(rows), tables, self.notes)
 
 
-Given = xr.Dataset | Trap | Calibration | str | Path
+Given = xr.Dataset | Trap | Calibration | Surface | str | Path
 
 
 def compare(a: Given, b: Given) -> Comparison:
     """Whether two results agree within their errors, and where they do not.
 
-    a, b: two runs, two ensembles (trajectories or statistics), two sweeps, two traps or two
-    calibrations; or their files: .nc, .zarr, and the .json of `tweezer trap --out` and `tweezer
-    calibrate --out`.
+    a, b: two runs, two ensembles (trajectories or statistics), two sweeps, two traps, two
+    calibrations or two walls found by calibrations; or their files: .nc, .zarr, and the .json of
+    `tweezer.save`, `tweezer trap --out` and `tweezer calibrate --out`.
 
     Runs without thermal motion: the positions at the times that both have, whose distance must be
     at most the sum of both errors of integration, and of runs by different models of both errors of
@@ -481,7 +483,9 @@ def _source(of: Given, name: str) -> Source:
     if isinstance(of, Calibration):
         return _of_calibration(name, dataclasses.asdict(of))
     kind = kind_of(of)
-    if kind is None or kind.name not in _OF_DATASETS:
+    if isinstance(of, Result) and kind is not None and kind.compared:
+        return _of_result(name, kind.name, of, {}, of.words())
+    if not isinstance(of, xr.Dataset) or kind is None or kind.name not in _OF_DATASETS:
         raise ResultError(f"{name}: {refusal(kind, 'compare', COMPARED)}")
     return _OF_DATASETS[kind.name](name, of, _about(of.attrs))
 
@@ -494,6 +498,8 @@ def _of_json(path: Path) -> Source:
     if kind.name == "trap":
         trap, version = trap_in(made, path)
         return _of_trap(path.name, trap, {"tweezer_version": version})
+    if kind.name != "calibration":
+        return _source(load(path), path.name)
     try:
         found = _SavedCalibration.model_validate(made)
     except ValidationError as error:
@@ -732,13 +738,11 @@ def _value(swept: xr.Dataset, dimension: Any, index: int) -> str:
 def _of_result(
     name: str, kind: str, result: Result, about: dict[str, Any], words: dict[str, str]
 ) -> Source:
-    """Return what a result lists, with bounds as errors."""
-    numbers = {
-        each.of.name.replace("_", " "): _numbers_of(each)
-        for each in result.quantities()
-        if each.of.compared
-    }
-    return Source(name, kind, False, about, None, lambda _: Found(numbers, words))
+    """Return the quantities that a result lists for comparisons."""
+    listed = [each for each in result.quantities() if each.of.compared]
+    numbers = {each.of.name.replace("_", " "): _numbers_of(each) for each in listed}
+    statistical = any(each.of.kind == STANDARD for each in listed)
+    return Source(name, kind, statistical, about, None, lambda _: Found(numbers, words))
 
 
 def _numbers_of(measured: Measured) -> Numbers:

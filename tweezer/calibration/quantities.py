@@ -32,7 +32,9 @@ INFERRED = {
     ),
 }
 
-WALL = Quantity("position", "m", "focus, for the bead's centre in the wall", kind=STANDARD)
+WALL = Quantity(
+    "position", "m", "focus, for the bead's centre in the wall", kind=STANDARD, compared=True
+)
 SHIFT = Quantity("shift", "1", "the bead moves by", kind=STANDARD)
 FAR_DRAG = Quantity("drag", "kg/s", "drag far from the wall", kind=STANDARD)
 HEIGHT = Quantity("height", "m", "height", kind=STANDARD)

@@ -14,7 +14,7 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 from tweezer.results.io import load_result, save_run, write_result
 from tweezer.results.schema import of_validation
 from tweezer.values.errors import ResultError
-from tweezer.values.saved import KINDS, Kind, check_ending, kind_of, read_json
+from tweezer.values.saved import Kind, check_ending, kind_of, read_json
 
 
 def save(result: Any, path: str | Path) -> Path:
@@ -59,12 +59,10 @@ def save(result: Any, path: str | Path) -> Path:
         if kind_of(result) is None:
             raise ResultError(f"{path}: cannot be saved: the dataset is no result of tweezer")
         return save_run(result, path)
-    first = result[0] if isinstance(result, tuple) and result else result
-    of = f"{type(first).__module__}:{type(first).__qualname__}"
-    kind = next((each for each in KINDS if each.of == of), None)
+    kind = kind_of(result)
     if kind is None:
         raise ResultError(
-            f"{path}: cannot be saved: {type(first).__name__} is no result with files"
+            f"{path}: cannot be saved: {type(result).__name__} is no result with files"
         )
     check_ending(path, ("json",))
     if kind.reader:

@@ -79,7 +79,7 @@ KINDS = (
          of="tweezer.calibration.results:Calibration"),
     Kind("together", "calibrations of several recordings", ("recordings", "together"),
          of="tweezer.calibration.together:Together", within="together"),
-    Kind("surface", "calibrations that find a wall", ("recordings", "surface"),
+    Kind("surface", "calibrations that find a wall", ("recordings", "surface"), compared=True,
          of="tweezer.calibration.surface:Surface", within="surface"),
     Kind("fit", "a fit of keys", ("scene", "keys", "log_likelihood"),
          of="tweezer.tracking.inference:SceneFit"),
@@ -100,10 +100,16 @@ COMPARED = tuple(each for each in KINDS if each.compared)
 
 
 def kind_of(result: Any) -> Kind | None:
-    """Return the kind of a dataset or of the content of a JSON file; None for an unknown kind."""
+    """Return the kind of a dataset, of the content of a file of JSON, or of an object.
+
+    A tuple of results has the kind of its entries. Returns None for an unknown kind.
+    """
     if hasattr(result, "attrs"):
         return _kind_with({*result.attrs, *result.variables, *result.sizes})
-    return _kind_with(set(result) if isinstance(result, dict) else set())
+    if isinstance(result, dict):
+        return _kind_with(set(result))
+    of = type(result[0] if isinstance(result, tuple) and result else result)
+    return next((each for each in KINDS if each.of == f"{of.__module__}:{of.__qualname__}"), None)
 
 
 def _kind_with(names: set[Any]) -> Kind | None:
