@@ -76,13 +76,13 @@ _WITHOUT_MEMORY = (
 
 
 class _Free(NamedTuple):
-    """A quantity that may be fitted besides the depth, as value = given * exp(fitted)."""
+    """Quantity that may be fitted besides the depth, by its logarithm p: value = given exp(p)."""
 
     unit: str
     step: float
-    """of fitted, over which the misfit is about a parabola"""
+    """change of p over which the misfit is nearly a parabola"""
     reach: float
-    """largest |fitted|; of noise and release by the track"""
+    """largest |p|; NaN for noise and release, whose ranges depend on the track"""
 
 
 #: what may be fitted
@@ -97,29 +97,29 @@ FREE = {
 
 @dataclass(frozen=True)
 class Minimum:
-    """A start that fits better than those about it."""
+    """Initial z at which the misfit has a local minimum."""
 
     z: float
-    """m"""
+    """m, from the focus"""
     misfit: float
-    """-2 log(likelihood), above the least"""
+    """-2 log(likelihood) there, less its smallest value at any z"""
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """What was fitted besides the depth."""
+    """Value of a quantity that was fitted besides the depth."""
 
     name: str
     """"noise", "power" (through the pupil), "radius", "scaling_factor" or "release\""""
     value: float
     uncertainty: float | None
-    """standard uncertainty, by the likelihood; None where that tells nothing, at an end of its
-    range or, of the noise, above the value"""
+    """standard uncertainty from the likelihood; None if not determined: if the value is at an end
+    of its range or, for the noise, smaller than its uncertainty"""
     unit: str
 
     @property
     def told(self) -> tuple[str, str]:
-        """Value with its uncertainty and unit, and that it is not determined."""
+        """Value with uncertainty and unit, and "not determined" or ""; lengths in um."""
         unit = "um" if self.unit == "m" else self.unit
         value = with_error(self.value, self.uncertainty, unit)
         return value, "not determined" if self.uncertainty is None else ""
@@ -127,7 +127,7 @@ class Parameter:
 
 @dataclass(frozen=True, repr=False)
 class DepthFit(Shown):
-    """Where along the light a bead started, SI; z from the focus, along the light."""
+    """Initial position of a bead along the light, in SI units; z is measured from the focus."""
 
     name: str
     """of the track"""
@@ -161,7 +161,7 @@ class DepthFit(Shown):
     """at the best fit; None if it was loaded from a file of `tweezer fit-depth --out`"""
 
     def card(self) -> Card:
-        """Start and interval, other minima, what else was fitted, what the residuals say."""
+        """Card with the initial z, its interval, other minima, parameters and residuals."""
         doubt = "" if self.determined else "not determined"
         pieces = ", ".join(map(_range, self.intervals))
         others = ", ".join(
@@ -277,7 +277,7 @@ def fit_depth(
     intervals = tuple(below(profile))
     path = likelihood.filtered(best, optimum)
     parameters = tuple(likelihood.parameters(optimum, profile.spread()))
-    # the start is sought in z, and taken from the first frames in x and y
+    # 3 for the initial x and y, from the first frames, and z
     p_value = p_value_of(path, sized=noise is not None, fitted=3 + len(likelihood.names))
     doubts = _doubts(scene.body.size, likelihood, profile, path, p_value)
     (low, high), *more = intervals
@@ -304,6 +304,10 @@ def _refuse(
     search: tuple[float, float],
     fit: Sequence[str],
 ) -> None:
+    """Raise `ResultError` for arguments of `fit_depth` that are invalid for this track and scene.
+
+    `noise` is a standard deviation, m, and `search` the range of initial z, m.
+    """
     low, high = search
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
         raise ResultError(f"search = {low:g} to {high:g} m: must go from a z to a larger one")
@@ -331,6 +335,7 @@ def _refuse(
 
 
 def _refuse_in_the_wall(scene: Scene, search: tuple[float, float], fit: Sequence[str]) -> None:
+    """Raise an error for a model, range of initial z (m) or fitted name that a wall excludes."""
     if scene.simulation.model == "scaled":
         raise SceneError(
             "simulation.model = 'scaled': beside a wall the depth is fitted without inertia; "
@@ -347,7 +352,7 @@ def _refuse_in_the_wall(scene: Scene, search: tuple[float, float], fit: Sequence
 
 
 def _between_walls(scene: Scene, low: float, high: float) -> tuple[float, float]:
-    """The part of a search, m, that is not in a wall."""
+    """Return the part of the range `low` to `high` of z, m, in which the bead touches no wall."""
     for plane, normal in scene.wall.planes if scene.wall else ():
         nearest = plane + normal * (1 + _LEAST_GAP) * scene.body.support(normal)
         low, high = (max(low, nearest), high) if normal > 0 else (low, min(high, nearest))
@@ -355,19 +360,30 @@ def _between_walls(scene: Scene, low: float, high: float) -> tuple[float, float]
 
 
 def _start(positions: Array) -> Array:
-    """x and y about which the bead starts: one wrong number among the first does not move them."""
+    """Return initial x and y, (2,) m: the medians of the first frames of `positions` (n, 2), m.
+
+    A single outlier among these frames does not change a median much.
+    """
     first = positions[:_FIRST]
     middle: Array = np.median(first[np.isfinite(first).all(axis=1)], axis=0)
     return middle
 
 
 def _usual(numbers: Array, order: int) -> float:
-    """Median size of the differences of a coordinate from one place it was seen to the next."""
+    """Return the median absolute difference, of the given `order`, of a coordinate `numbers` (n,).
+
+    NaN, which marks missing values, is left out first. The result has the unit of the numbers.
+    """
     return float(np.median(np.abs(np.diff(numbers[np.isfinite(numbers)], order))))
 
 
 class _Likelihood:
-    """The misfit of a track, -2 log(likelihood), over the start and what else is fitted."""
+    """Misfit, -2 log(likelihood), of a track as a function of z and p.
+
+    z, m, is the initial position along the light. The vector p (n,) contains the other fitted
+    quantities in the order of `names`: the logarithm of the noise in metres, the logarithms of
+    power, radius and scaling factor over their values in the scene, and the release in frames.
+    """
 
     def __init__(
         self, track: Track, scene: Scene, noise: float | None, exposure: float, fit: Sequence[str]
@@ -397,7 +413,9 @@ class _Likelihood:
         least = self._noise or self._guess
         spread = [_GUESS * max(_usual(seen, 1), least) for seen in both.T]
         self._start = _start(self._positions)
-        if exposure:  # a frame tells its mean: it began as far off as it went on to the next one
+        # A frame shows the mean over its exposure. The bead was as far from it at the beginning of
+        # the exposure as it moves to the next frame.
+        if exposure:
             heat = math.sqrt(2 * self._kT * self._problem.mobility[0] * exposure)
             spread = [math.hypot(seen[1] - seen[0], heat, least) for seen in both.T]
             self._start = both[0]
@@ -405,28 +423,32 @@ class _Likelihood:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of what is fitted besides z."""
+        """Names of the components of p, the quantities that are fitted besides z."""
         return self._fit if self._noise else ("noise", *self._fit)
 
     @property
     def reach(self) -> float:
-        """How far the force is mapped, m."""
+        """Distance from the focus to which the force is tabulated, m."""
         return self._light.search.near
 
     @functools.cached_property
     def unit(self) -> float:
-        """m, the radius."""
+        """Unit of lengths in a fit: the radius of the bead, m."""
         return self._light.light.radius
 
     @functools.cached_property
     def _guess(self) -> float:
-        """m, the noise by the differences of frames, which thermal motion is in."""
+        """First guess of the camera noise, m, from the second differences of successive frames.
+
+        Thermal motion contributes to it. For Gaussian noise the median absolute second difference
+        is 0.6745 sqrt(6) standard deviations.
+        """
         usual = float(np.mean([_usual(seen, 2) for seen in self._positions.T]))
         return min(max(usual / (0.6745 * math.sqrt(6)), 2 * _NOISE[0]), _NOISE[1] / 2)
 
     @functools.cached_property
     def bounds(self) -> Array:
-        """(n, 2) of p: logarithms, but for the release, which is in frames."""
+        """Lower and upper bounds of p, (n, 2): logarithms, but frames for the release."""
         every = {name: (-free.reach, free.reach) for name, free in FREE.items()}
         every["release"] = (0.0, self._times[-1] / 2 / self._step)  # half of the track
         heat = math.sqrt(2 * self._kT * self._problem.mobility[0] * self._step)
@@ -436,12 +458,15 @@ class _Likelihood:
 
     @functools.cached_property
     def steps(self) -> Array:
-        """(n + 1,) of z, in radii, and p."""
+        """Steps of z, in radii, and of p over which the misfit is nearly a parabola, (n + 1,)."""
         return np.array([_Z_STEP, *(FREE[name].step for name in self.names)])
 
     @functools.cached_property
     def trials(self) -> Array:
-        """(trials, n) what a place of the scan is tried with: what is given first."""
+        """Values of p, (trials, n), that are tried at each z of the scan, the given ones first.
+
+        The others are spread evenly over the bounds by a Sobol sequence.
+        """
         known = [] if self._noise else [math.log(self._guess)]
         begin = np.array([*known, *[0.0] * len(self._fit)])
         if not self._fit:
@@ -454,18 +479,22 @@ class _Likelihood:
 
     @functools.cached_property
     def _step(self) -> float:
+        """Median time between two frames, s."""
         return float(np.median(np.diff(self._times)))
 
     def noise(self, p: Array) -> float:
-        """m, of the camera."""
+        """Return the standard deviation of the camera noise, m, as given or as in p."""
         return self._noise or math.exp(p[0])
 
     def _changes(self, p: Array) -> dict[str, float]:
-        """What is fitted, as a logarithm of its ratio to what the scene says, or in frames."""
+        """Return the fitted quantities but the noise, by name, as they are in p."""
         return dict(zip(self._fit, p[len(p) - len(self._fit) :].tolist(), strict=True))
 
     def filtered(self, z: float, p: Array, least: float = -math.inf) -> Filtered:
-        """The track as the filter sees it, from a start at z, m; `least` as there."""
+        """Return the result of the Kalman filter for a bead that begins at z, m, with p (n,).
+
+        The filter stops early if the log-likelihood cannot reach `least` (`kalman_filter`).
+        """
         change = self._changes(p)
         power, size, a2 = (
             math.exp(change.get(name, 0.0)) for name in ("power", "radius", "scaling_factor")
@@ -475,7 +504,7 @@ class _Likelihood:
             raise IntegrationError(
                 f"a bead of {size * self.unit:.4g} m at {z:.6g} m is in the wall"
             )
-        if (size, a2) not in self._filters:
+        if (size, a2) not in self._filters:  # only the latest filter is kept
             self._filters = {(size, a2): kalman_filter(self._equations(size, a2))}
         moving = Bead(
             size * self.unit, power, self._kT, np.append(self._start, z), self._spread,
@@ -494,13 +523,16 @@ class _Likelihood:
         )
 
     def _equations(self, size: float, a2: float) -> EquationsOfMotion:
-        """Those of a bead and a scaling factor of that many times the scene's."""
+        """Return the equations of motion for another bead radius and scaling factor.
+
+        `size` and `a2` are the ratios of the radius and the scaling factor to those in the scene.
+        """
         scene, inertial = self._problem.scene, self._problem.scene.simulation.model == "scaled"
         radius = size * scene.bead.radius
         factor = a2 * (scene.simulation.scaling_factor or 1.0) if inertial else None
         simulation = scene.simulation.model_copy(update={"scaling_factor": factor})
         bead, start = scene.bead.model_copy(update={"radius": radius}), scene.start
-        if scene.wall is not None:  # a place where a bead of any radius has mobilities
+        if scene.wall is not None:  # begin where a bead of any radius is clear of the wall
             clear = scene.wall.position + 2 * scene.wall.normal * radius
             start = start.model_copy(update={"frame": "focus", "position": (0.0, 0.0, clear)})
         scene = scene.model_copy(update={"bead": bead, "start": start, "simulation": simulation})
@@ -511,24 +543,27 @@ class _Likelihood:
         return bind_translation(problem, "scaled" if inertial else "overdamped")
 
     def misfit(self, z: float, p: Array, most: float = math.inf) -> float:
-        """-2 log(likelihood), or a number between `most` and it; infinite: cannot be followed."""
+        """Return -2 log(likelihood) at z, m, and p (n,); infinite if no motion can be followed.
+
+        Above `most` it may be any number between `most` and the misfit, as the filter stops early.
+        """
         try:
             return -2 * self.filtered(z, p, -most / 2).log_likelihood
         except IntegrationError:
             return math.inf
 
     def ends(self, p: Array) -> list[str]:
-        """What is fitted that meets an end of its range.
+        """Return the names of the quantities in p (n,) that are at an end of their range.
 
-        The least noise and release are no such end: less noise makes no difference, and a bead is
-        not released before it is seen.
+        The lower ends of noise and release do not count: less noise makes no difference, and a
+        bead is not released before the first frame.
         """
         low, high = self.bounds.T.copy()
         low[[name in ("noise", "release") for name in self.names]] = -np.inf
         return [self.names[i] for i in np.flatnonzero((p <= low) | (p >= high))]
 
     def parameters(self, p: Array, spread: Array) -> list[Parameter]:
-        """What was fitted, with its standard uncertainties."""
+        """Return the fitted quantities in SI; `spread` (n,) has the uncertainties of p (n,)."""
         parameters = []
         for name, value, deviation, ends in zip(self.names, p, spread, self.bounds, strict=True):
             size, number = self._step, value * self._step
@@ -541,16 +576,22 @@ class _Likelihood:
 
 
 class _Doubt(NamedTuple):
-    """Why the interval may be wrong."""
+    """Reason why the confidence interval of z may be wrong."""
 
     told: str
+    """text for the statement of the result"""
     refuses: bool
-    """whether z is then not determined"""
+    """whether z counts as not determined because of it"""
 
 
 def _doubts(
     radius: float, likelihood: _Likelihood, profile: Profile, path: Filtered, p_value: float
 ) -> list[_Doubt]:
+    """Return the reasons not to trust the interval of a fit.
+
+    `radius`, m, is the radius of the bead, `path` the filtered track at the best fit, and `p_value`
+    the probability of residuals that are as far from white.
+    """
     doubts = []
     if profile.jumps(LEVEL).any():
         doubts.append(
@@ -584,6 +625,7 @@ def _doubts(
 
 
 def _range(ends: tuple[float, float]) -> str:
+    """Return an interval in m as text in um, without the unit."""
     return " to ".join(in_unit(end, "um") for end in ends)
 
 
@@ -595,6 +637,11 @@ def _statement(
     parameters: tuple[Parameter, ...],
     doubts: Sequence[_Doubt],
 ) -> str:
+    """Return the sentence of the result: what the track determines, and the doubts about it.
+
+    `z`, m, is the best fit, `intervals`, m, the pieces of the confidence interval and `search`, m,
+    the range that was searched.
+    """
     pieces = " and ".join(map(_range, intervals))
     if determined:
         told = f"the bead started at z = {printed(z, 'um')}; 95 % confidence: {pieces} um"

@@ -72,63 +72,74 @@ _matrix, _vector = types.float64[:, ::1], types.float64[::1]
 
 
 class Bead(NamedTuple):
-    """What moves."""
+    """Bead that the filter follows: its constants, and the distribution of its initial position."""
 
     radius: float
-    """m"""
+    """Radius, m."""
     power: float
-    """of the light, in that of its scene"""
+    """Power of the light over the power in its scene, a number."""
     kT: float
-    """J"""
+    """Thermal energy k_B T, J."""
     start: Array
-    """(3,) m; the mean of the start, where it is not known"""
+    """(3,) m, mean of the initial position."""
     spread: Array
-    """(3,) m, standard deviations of the start"""
+    """(3,) m, standard deviations of the initial position; 0 for a known coordinate."""
     velocity: Array
-    """(3,) m/s, at the start, for a model with inertia"""
+    """(3,) m/s, initial velocity; used by models with inertia only."""
     release: float
-    """s, from where the first frame begins: the bead is held until then"""
+    """s, time after the beginning of the first frame until which the bead is held at its start."""
 
 
 class Camera(NamedTuple):
-    """What is seen, and how well."""
+    """Track of n frames and c coordinates that a camera recorded, and the camera's errors."""
 
     times: Array
-    """(n,) s, from the first frame"""
+    """(n,) s, beginnings of the frames, from the first one."""
     positions: Array
-    """(n, c) m, x, y and perhaps z; NaN for what is missing"""
+    """(n, c) m, recorded x, y and, if c = 3, z; NaN for a missing coordinate."""
     noise: Array
-    """(c,) m, standard deviations of the coordinates"""
+    """(c,) m, standard deviation of the camera's Gaussian noise in each coordinate."""
     outliers: float
-    """1/m, density of numbers from anywhere, which the bead's is added to: their odds over the
-    length they are in"""
+    """1/m, probability density of false coordinates: the odds of one, over the length in which they
+    occur. It is added to the density of the bead's coordinate; 0 for none."""
     exposure: float = 0.0
-    """s, over which a frame averages the position, up to the time between two frames"""
+    """s, time over which a frame averages the position, at most the time between two frames."""
 
 
 class Filtered(NamedTuple):
-    """What a filter made of a track."""
+    """Result of a Kalman filter for a track of n frames and c coordinates."""
 
     log_likelihood: float
-    """of the coordinates seen, in m"""
+    """Logarithm of the probability density of the recorded coordinates, in m."""
     predicted: Vector
-    """(n, 3) m, what frames would show of the bead without noise, by the frames before"""
+    """(n, 3) m, mean position in each frame, without camera noise, given the previous frames."""
     deviations: Vector
-    """(n, 3) m, standard deviations of that"""
+    """(n, 3) m, standard deviations of the predicted positions, without camera noise."""
     residuals: Vector
-    """(n, c) what was seen less what was predicted, in its standard deviation: independent of each
-    other, of mean 0 and variance 1, if the model holds; NaN for what is missing"""
+    """(n, c) recorded less predicted coordinates, over their standard deviation with camera noise;
+    NaN for a missing coordinate. They are independent, with mean 0 and variance 1, if the model is
+    right."""
     weights: Vector
-    """(n, c) the probability that it is the bead's; NaN for what is missing"""
+    """(n, c) probability that the coordinate is the bead's and not an outlier; NaN if missing."""
 
 
 def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
-    """What filters the tracks of a bead that moves by those equations, of translation alone.
+    """Return a Kalman filter for tracks of a bead, from its translational equations of motion.
 
-    least: a log-likelihood. The filter stops at the frame after which it cannot be reached any
-    more, and returns the most that could be; what follows is NaN. It raises `IntegrationError`
-    where the motion cannot be followed. A drag that is not the same everywhere is taken to depend
-    on z alone. Raises `SceneError` for such a drag of a model with inertia.
+    The filter is a function of a `Bead`, a `Camera` and, optionally, `least`, a log-likelihood. It
+    stops at the frame after which `least` cannot be reached any more, returns an upper bound of the
+    log-likelihood, and leaves the later rows NaN. It raises `IntegrationError` where the motion
+    cannot be followed. A drag that depends on the position is assumed to depend on z alone.
+
+    Parameters
+    ----------
+    equations : EquationsOfMotion
+        Equations of motion of a bead that does not rotate.
+
+    Raises
+    ------
+    SceneError
+        If the model has inertia and the drag depends on the position.
     """
     if equations.stiff and not equations.drag.uniform:
         raise SceneError(
@@ -137,6 +148,7 @@ def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
             "overdamped"
         )
     system = equations.system(gradient=True, derivatives=True)
+    # velocities are multiplied by their relaxation time, so that all of the state is in metres
     scale = np.ones(len(equations.initial_state))
     if equations.stiff:
         scale[equations.layout.at("velocity")] = equations.relaxation.modes.times[TRANSLATION, 0]
@@ -155,7 +167,12 @@ def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
 
 @functools.cache
 def _loop() -> Any:
-    """The compiled loop over frames: returns the log-likelihood."""
+    """Compile the loop over frames, which fills the arrays of a `Filtered`.
+
+    It takes the bound force and drag (`system`), the factors (m,) of the state's coordinates to
+    metres (`scale`, see `Room`), the bead, the camera, the least log-likelihood of interest and
+    the four arrays of `Filtered`. It returns the log-likelihood, NaN if no motion can be followed.
+    """
     empty, table = np.zeros(0), np.zeros((0, 2))
     signature = types.float64(
         SYSTEM,
@@ -181,11 +198,11 @@ def _loop() -> Any:
         _diffuse(bead, work, work.diffusion)
         time, log_likelihood, step = 0.0, 0.0, np.inf
         frames, coordinates = camera.positions.shape
-        most = 0.0  # of a frame, at most
+        most = 0.0  # log-likelihood of one frame, at most
         for k in range(coordinates):
             sharpest = 1 / (math.sqrt(2 * math.pi) * camera.noise[k])
             most += math.log(sharpest + camera.outliers)
-        shown = m if camera.exposure > 0 else 0
+        shown = m if camera.exposure > 0 else 0  # first row of the state that a frame shows
         for frame in range(frames):
             if not log_likelihood + (frames - frame) * most >= least:
                 return log_likelihood + (frames - frame) * most
@@ -211,60 +228,78 @@ def _loop() -> Any:
 
 
 class Room(NamedTuple):
-    """The state (x, and w with inertia, and I of exposed frames), and scratch for a step.
+    """State of the filter and the arrays in which a step is computed.
 
-    m, 3 or 6, is without I, n is m or m + 3.
+    The state consists of the position x; with inertia, of w, the velocity times its relaxation
+    time; and with an exposure, of I, the integral of the position over the exposure, divided by it.
+    Each has three components in metres. m, 3 or 6, is the number of components of x and w, and n,
+    m or m + 3, the number of all components.
     """
 
     scale: Array
-    """(m,) what a state of the model is multiplied by: 1, and s for a velocity"""
+    """(m,) factors from the state of the model to the filter's: 1 of x, relaxation time (s) of v"""
     ratio: Array
-    """(m, m) what its Jacobian is multiplied by"""
+    """(m, m) factors from the Jacobian of the model to the filter's, scale_i / scale_j"""
     per_exposure: Array
     """(1,) 1/s, one over the exposure while a frame is exposed, or 0"""
     diffusion: Array
-    """(3,) m^2/s, where a step begins"""
+    """(3,) m^2/s, diffusion coefficients along the axes at the beginning of a step"""
     diffusion_ahead: Array
+    """(3,) m^2/s, diffusion coefficients at the end of a step"""
     mean: Array
-    """(n,) m"""
+    """(n,) m, mean of the state"""
     P: Array
-    """(n, n) m^2, covariance"""
+    """(n, n) m^2, covariance of the state"""
     place: Array
+    """(n,) m, first estimate of the mean at the end of a step"""
     rate: Array
+    """(n,) m/s, rate of change of the mean at the beginning of a step"""
     rate_ahead: Array
+    """(n,) m/s, rate of change at `place`"""
     rise: Array
+    """(n,) m/s, part of the change of the rate in a step that is not linear in the state"""
     A: Array
-    """(n, n) 1/s, d(rate)/d(state)"""
+    """(n, n) 1/s, Jacobian d(rate)/d(state) at the beginning of a step"""
     A_ahead: Array
+    """(n, n) 1/s, Jacobian at `place`, then the mean of both Jacobians"""
     noise: Array
-    """(n, n) m^2/s"""
+    """(n, n) m^2/s, rate at which thermal motion adds to the covariance, 2 D on the diagonal"""
     Phi: Array
-    """(n, n) the exponential"""
+    """(n, n) exp(A h), which propagates a deviation of the state over a step of length h"""
     Q: Array
-    """(n, n) what noise adds to the covariance"""
+    """(n, n) m^2, covariance that thermal motion adds in a step"""
     forced: Array
-    """(3, n) m: what a rate does over a step that is constant, that rises as s, and as s^2"""
+    """(3, n) m, displacements by a rate that is constant, or grows as s/h or (s/h)^2 with the time
+    s since the beginning of a step of length h"""
     scratch: Array
+    """(n, n) intermediate product"""
     other: Array
+    """(n, n) intermediate product"""
     vectors: Array
-    """(3, n)"""
+    """(3, n) intermediate vectors"""
     begin: Array
-    """of the motion to a frame: where it starts and ends, how far aside its neighbours do"""
+    """(n,) m, mean of the state at the beginning of the motion to the next frame"""
     middle: Array
+    """(n,) m, mean of the state at the next frame"""
     aside: Array
+    """(n,) m, distance of two neighbours from `begin`: three standard deviations in z"""
     below: Array
+    """(n,) m, distance of the lower neighbour below `middle` at the next frame"""
     above: Array
+    """(n,) m, distance of the upper neighbour above `middle` at the next frame"""
     covariance: Array
-    """(n, n)"""
+    """(n, n) m^2, covariance at the next frame before it is widened (`_predict`)"""
     factors: Array
-    """(3,)"""
+    """(3,) s, factors of a term of the series for each row of `forced`"""
     state: Array
-    """(m,) of the model"""
+    """(m,) state of the model, with velocities in m/s"""
     at: Any
+    """arrays in which force, mobility and their gradients at one position are computed"""
 
 
 @named_njit(inner=True, error_model="numpy")
 def _room(system, scale, exposed):  # type: ignore[no-untyped-def]
+    """Allocate a `Room` of zeros; `scale` (m,) is its field, `exposed` whether frames average."""
     m = scale.shape[0]
     n = m + 3 if exposed else m
     return Room(
@@ -279,7 +314,11 @@ def _room(system, scale, exposed):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _expose(work, m, rate):  # type: ignore[no-untyped-def]
-    """Begin a frame: I is 0, and grows by the position times that rate."""
+    """Begin the exposure of a frame: set the integral I of the position to 0.
+
+    I is in the rows m, m + 1 and m + 2 of the state in `work`. From now on it grows by the position
+    times `rate`, 1/s, which is one over the exposure.
+    """
     mean, P = work.mean, work.P
     work.per_exposure[0] = rate
     for i in range(m, m + 3):
@@ -290,7 +329,11 @@ def _expose(work, m, rate):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _go_on(system, bead, work, time, until, step):  # type: ignore[no-untyped-def]
-    """Take the state on from a time to another; returns as `_go`."""
+    """Propagate the state of `work` from `time` to `until`, s, with the bead held to its release.
+
+    `step`, s, is the suggested step of the integration. Returns the next one, or 0 if the motion
+    cannot be followed.
+    """
     held = min(max(bead.release - time, 0.0), until - time)
     if held > 0:
         _hold(work, held)
@@ -301,7 +344,11 @@ def _go_on(system, bead, work, time, until, step):  # type: ignore[no-untyped-de
 
 @named_njit(inner=True, error_model="numpy")
 def _hold(work, span):  # type: ignore[no-untyped-def]
-    """A bead that is held for a time: I alone grows."""
+    """Propagate the state over `span`, s, in which the bead is held.
+
+    Only I, the integral of the position over an exposure (rows m to m + 2), grows, by `part`, the
+    fraction of the exposure in the span. Rows of the covariance come first, then its columns.
+    """
     mean, P, part = work.mean, work.P, work.per_exposure[0] * span
     n, m = mean.shape[0], work.scale.shape[0]
     if part == 0:
@@ -317,14 +364,17 @@ def _hold(work, span):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _diffuse(bead, work, diffusion):  # type: ignore[no-untyped-def]
-    """By the mobility that `work.at` holds."""
+    """Fill `diffusion` (3,), m^2/s, with k_B T times the mobility along each axis in `work.at`.
+
+    The first of the two mobilities is of x and y, the second of z, the direction across a wall.
+    """
     for k in range(3):
         diffusion[k] = bead.kT * work.at.mobility[1 if k == 2 else 0]
 
 
 @named_njit(inner=True, error_model="numpy")
 def _resist(system, work, z):  # type: ignore[no-untyped-def]
-    """Fill `work.at` with the mobility at that z."""
+    """Compute the mobilities of the bead at height `z`, m, into `work.at`."""
     at = work.at
     at.pose.position[0, 2] = z
     call(system.drag.kernel, (at.pose, system.drag.data, at.resisted))
@@ -332,7 +382,11 @@ def _resist(system, work, z):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _rates(system, bead, work, place, rate, A, diffusion):  # type: ignore[no-untyped-def]
-    """Rate of change of the filter's state, its derivative, by the emitted model; diffusion."""
+    """Compute the rate of change of the filter's state at `place` by the emitted model.
+
+    Fills `rate` (n,), m/s, its Jacobian `A` (n, n), 1/s, and the diffusion coefficients `diffusion`
+    (3,), m^2/s. `place` (n,), m, is a state as `Room` describes it.
+    """
     at, state, scale = work.at, work.state, work.scale
     n, m = rate.shape[0], scale.shape[0]
     for i in range(m):
@@ -365,8 +419,9 @@ def _rates(system, bead, work, place, rate, A, diffusion):  # type: ignore[no-un
         A[i, i - m] = work.per_exposure[0]
     _diffuse(bead, work, diffusion)
     if not system.uniform:
-        rate[2] += bead.kT * at.mobility_gradient[1, 2]
-        for k in range(3):  # the mean of mobility times force, over the spread
+        rate[2] += bead.kT * at.mobility_gradient[1, 2]  # thermal drift towards higher mobility
+        # the mean of mobility times force over the distribution, less their product at the mean
+        for k in range(3):
             for j in range(3):
                 spread = at.force_gradient[k, j] * work.P[j, 2]
                 rate[k] += at.mobility_gradient[1 if k == 2 else 0, 2] * spread
@@ -374,7 +429,11 @@ def _rates(system, bead, work, place, rate, A, diffusion):  # type: ignore[no-un
 
 @named_njit(inner=True, error_model="numpy")
 def _go(system, bead, work, span, step):  # type: ignore[no-untyped-def]
-    """Take the state on by a time. Returns the next step, 0 if the motion cannot be followed."""
+    """Propagate the state of `work` over `span`, s, in steps that its error estimate chooses.
+
+    `step`, s, is the first one to try. Returns the next step, s, or 0 if the motion cannot be
+    followed.
+    """
     left = span
     for _ in range(_MOST_STEPS):
         taken, step = _advance(system, bead, work, min(step, left))
@@ -388,12 +447,13 @@ def _go(system, bead, work, span, step):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _predict(system, bead, work, span, step):  # type: ignore[no-untyped-def]
-    """Take the state on to the next frame; returns as `_go`.
+    """Propagate the state of `work` to the next frame, over `span`, s.
 
-    Where the bead goes far, its motion bends over the spread of z, which no frame tells, and its
-    distribution leans to where beads fall faster or slower. So the covariance is widened to the
-    wider of two sides: as far as the motion goes that begins three standard deviations off in z,
-    the rest of the state with it. The mean is that of a parabola through the three motions.
+    If the bead moves far, the motion is not linear over the spread of z, which no frame shows, and
+    the distribution becomes skew. So the motions that begin three standard deviations below and
+    above the mean in z (with the other coordinates as correlated with z) are propagated as well.
+    The covariance is widened to the longer of the two sides, and the mean is that of a parabola
+    through the three motions. `step` and the returned next step, s, are as in `_go`.
     """
     mean, P = work.mean, work.P
     n = mean.shape[0]
@@ -411,6 +471,7 @@ def _predict(system, bead, work, span, step):  # type: ignore[no-untyped-def]
         gone += (mean[k] - begin[k]) ** 2
     if gone < (_FAR * bead.radius) ** 2:
         return next_step
+    # the neighbours are propagated in the same `work`, so copy mean and covariance before
     middle, covariance, below, above = work.middle, work.covariance, work.below, work.above
     for i in range(n):
         middle[i] = mean[i]
@@ -429,6 +490,7 @@ def _predict(system, bead, work, span, step):  # type: ignore[no-untyped-def]
     for i in range(n):
         shorter += below[i] ** 2
         longer += above[i] ** 2
+    # squared lengths of the two sides; a side is three standard deviations, so 9 is 3^2
     wider = above if longer > shorter else below
     shorter, longer = min(shorter, longer), max(shorter, longer)
     more = (1 - shorter / longer) / 9 if longer > 0 else 0.0
@@ -441,9 +503,12 @@ def _predict(system, bead, work, span, step):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _advance(system, bead, work, step):  # type: ignore[no-untyped-def]
-    """Take the state a step on, of that length or as much shorter as its error wants it.
+    """Propagate the state of `work` by one step of `step`, s, or by a shorter one.
 
-    Returns the length, 0 if there is none, and that of the next step.
+    The exponential Rosenbrock method of order 3 propagates the mean. Its correction to the
+    exponential Euler method is the error estimate. A step is shortened until the estimate is below
+    `_PLACE` thermal displacements and the Jacobian changes by less than `_RATES` over the step.
+    Returns the length of the step made, 0 if none was short enough, and the length to try next.
     """
     mean, rate, ahead, rise = work.mean, work.rate, work.rate_ahead, work.rise
     A, A_ahead, P, Phi = work.A, work.A_ahead, work.P, work.Phi
@@ -456,7 +521,7 @@ def _advance(system, bead, work, step):  # type: ignore[no-untyped-def]
         _rates(system, bead, work, work.place, ahead, A_ahead, work.diffusion_ahead)
         for k in range(3):
             work.noise[m - 3 + k, m - 3 + k] = work.diffusion[k] + work.diffusion_ahead[k]
-        bent = 0.0
+        bent = 0.0  # largest change of an element of the Jacobian, 1/s
         for i in range(n):
             rise[i] = ahead[i] - rate[i]
             for j in range(n):
@@ -491,6 +556,7 @@ def _advance(system, bead, work, step):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _product(a, b, out):  # type: ignore[no-untyped-def]
+    """Write the product of two square matrices to `out`, which is neither of them."""
     n = a.shape[0]
     for i in range(n):
         for j in range(n):
@@ -509,13 +575,16 @@ def _copy(a, out):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _exponentials(work, A, forcing, step, spreading):  # type: ignore[no-untyped-def]
-    """Phi = exp(A h) and what a forcing makes of the state, that is constant in `forced[0]`.
+    """Compute Phi = exp(A h) and the displacements by a rate `forcing`, for a step h = `step`, s.
 
-    If `spreading`, in `forced[1]` and `forced[2]` one that rises as s/h and (s/h)^2, and Q.
+    A (n, n), 1/s, is the Jacobian and `forcing` (n,) a rate, m/s. Row p of `work.forced` becomes
+    the integral of exp(A (h - s)) (s/h)^p forcing over the step, p = 0, 1, 2. If `spreading`,
+    `work.Q` becomes the covariance that `work.noise` adds. A power series gives all of them for a
+    step of h / 2^halvings, short enough for it to converge; then the step is doubled again.
     """
     Phi, Q, forced, X, other = work.Phi, work.Q, work.forced, work.scratch, work.other
     n = A.shape[0]
-    size = 0.0
+    size = 0.0  # norm of A, the largest sum of a row
     for i in range(n):
         row = 0.0
         for j in range(n):
@@ -556,6 +625,7 @@ def _exponentials(work, A, forcing, step, spreading):  # type: ignore[no-untyped
     if spreading:
         _noise_of_a_short_step(work, A, h)
     carried = work.vectors
+    # double the step: Phi carries the displacements and Q of its first half over its second half
     for _ in range(halvings):
         for p in range(3):
             for i in range(n):
@@ -579,7 +649,11 @@ def _exponentials(work, A, forcing, step, spreading):  # type: ignore[no-untyped
 
 @named_njit(inner=True, error_model="numpy")
 def _noise_of_a_short_step(work, A, h):  # type: ignore[no-untyped-def]
-    """Q of a short step: Q' = A Q + Q A^T + noise, as a series."""
+    """Compute `work.Q`, m^2, the covariance that noise adds in a short step `h`, s.
+
+    It solves Q' = A Q + Q A^T + N with the Jacobian A, 1/s, and the noise N, m^2/s, by a power
+    series in h, the first term of which, N h, is in `work.Q` already.
+    """
     term, other, Q = work.scratch, work.other, work.Q
     n = A.shape[0]
     _copy(Q, term)
@@ -595,7 +669,13 @@ def _noise_of_a_short_step(work, A, h):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _see(camera, frame, k, shown, work, residuals, weights):  # type: ignore[no-untyped-def]
-    """Correct the state by coordinate k of a frame, number shown + k of it; its log-likelihood."""
+    """Correct the state of `work` by coordinate k of a frame, and return its log-likelihood.
+
+    `shown` is the first row of the state that a frame shows, so row shown + k is the coordinate.
+    The correction is that of the Kalman filter times the weight, the probability that the number
+    is the bead's and not an outlier. Writes the coordinate's residual and weight. A missing
+    coordinate changes nothing and has the log-likelihood 0.
+    """
     seen = camera.positions[frame, k]
     if math.isnan(seen):
         residuals[frame, k] = weights[frame, k] = np.nan
@@ -614,7 +694,7 @@ def _see(camera, frame, k, shown, work, residuals, weights):  # type: ignore[no-
         gain[i] = P[at, i] / variance
     for i in range(n):
         mean[i] += weight * gain[i] * off
-        # symmetric to the last digit: what is antisymmetric no measurement lessens, and it grows
+        # keep P symmetric to the last digit: an antisymmetric part is never corrected, and grows
         for j in range(i + 1):
             P[i, j] += weight * gain[i] * gain[j] * ((1 - weight) * off * off - variance)
             P[j, i] = P[i, j]

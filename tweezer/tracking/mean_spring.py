@@ -14,7 +14,7 @@ from tweezer.values.constants import Boltzmann
 
 Array = NDArray[np.float64]
 
-#: Largest change of the stiffness in a round, of it, at which the rounds end; and their number
+#: Relative change of the stiffness in a round at which the rounds end; largest number of rounds
 _SETTLED, _MOST_ROUNDS = 1e-7, 50
 
 
@@ -30,10 +30,10 @@ class MeanSpring(NamedTuple):
 
 
 def _cubature() -> tuple[Array, Array]:
-    """Points (19, 3) and weights (19,) for means over three independent standard normals.
+    """Return points (19, 3) and weights (19,) for means over three independent standard normals.
 
-    They are exact for polynomials to degree 5 (J. McNamee and F. Stenger, Numer. Math. 10, 327
-    (1967)).
+    The mean of a function is the weighted sum of its values at the points, which is exact for
+    polynomials to degree 5 (J. McNamee and F. Stenger, Numer. Math. 10, 327 (1967)).
     """
     unit = np.eye(3)
     pairs = [unit[i] + sign * unit[j] for i in range(3) for j in range(i) for sign in (1, -1)]

@@ -46,11 +46,14 @@ _SCANS = 4
 
 
 class Likelihood(Protocol):
-    """The problem of a profile: coordinate z, and the other parameters p in suitable units."""
+    """Problem of a profile: misfit over a coordinate z, m, and n other parameters p (n,).
+
+    The parameters are in units in which the misfit is smooth, for example logarithms.
+    """
 
     @property
     def unit(self) -> float:
-        """Bounds of z."""
+        """Unit of z in a fit of z and p together, m."""
 
     @property
     def bounds(self) -> Array:
@@ -58,30 +61,37 @@ class Likelihood(Protocol):
 
     @property
     def steps(self) -> Array:
-        """Lengths over which the misfit is nearly a parabola, in z and p, (n + 1,)."""
+        """Steps over which the misfit is nearly a parabola, in z/unit and p, (n + 1,)."""
 
     @property
     def trials(self) -> Array:
         """Trial values of p, (trials, n), the most probable first."""
 
     def misfit(self, z: float, p: Array, most: float = math.inf) -> float:
-        """-2 log(likelihood), or any number between `most` and it; infinite where impossible."""
+        """Return -2 log(likelihood); infinite where impossible.
+
+        Above `most` it may be any number between `most` and the misfit, so that it can stop early.
+        """
 
 
 class Fit(NamedTuple):
-    """A minimum."""
+    """Minimum of a misfit over n parameters."""
 
     value: float
+    """misfit there, -2 log(likelihood)"""
     at: Array
-    """(n,)"""
+    """(n,) parameters there"""
     curvature: Array
-    """(n, n) second derivatives"""
+    """(n, n) second derivatives of the misfit; NaN if they were not computed"""
     converged: bool
     """whether it converged to within `_NOTHING`"""
 
 
 def descend(misfit: Misfit, begin: Array, bounds: Array, steps: Array) -> Fit:
-    """The minimum that a descent from a point reaches, by Newton's method.
+    """Return the minimum that Newton's method reaches from `begin` (n,), within `bounds` (n, 2).
+
+    `misfit` is a function of n parameters, and `steps` (n,) are the lengths over which it is nearly
+    a parabola.
 
     Derivatives are central differences over lengths in which the misfit rises by about 1. Each
     eigenvalue of the curvature enters by its absolute value, so that the step descends (J. Nocedal
@@ -115,7 +125,10 @@ def descend(misfit: Misfit, begin: Array, bounds: Array, steps: Array) -> Fit:
 
 
 def _derivatives(misfit: Misfit, at: Array, value: float, steps: Array) -> tuple[Array, Array]:
-    """Gradient (n,) and second derivatives (n, n), by differences."""
+    """Return the gradient (n,) and the second derivatives (n, n) of `misfit` at `at` (n,).
+
+    `value` is the misfit there, and `steps` (n,) are the lengths of the central differences.
+    """
     n = len(at)
     aside = np.diag(steps)
     above = np.array([misfit(at + each) for each in aside])
@@ -130,6 +143,12 @@ def _derivatives(misfit: Misfit, at: Array, value: float, steps: Array) -> tuple
 
 
 def _newton_step(at: Array, slope: Array, curvature: Array, bounds: Array, longest: Array) -> Array:
+    """Return a step (n,) of Newton's method from `at` (n,) that descends and stays in `bounds`.
+
+    `slope` (n,) and `curvature` (n, n) are derivatives of the misfit, `bounds` (n, 2) the ends of
+    the parameters and `longest` (n,) the largest steps. Parameters at a bound beyond which the
+    misfit falls are kept. Eigenvalues enter by their absolute value, in units of `longest`.
+    """
     low, high = bounds.T
     free = ~(((at <= low) & (slope > 0)) | ((at >= high) & (slope < 0)))
     step = np.zeros(len(at))
@@ -143,7 +162,11 @@ def _newton_step(at: Array, slope: Array, curvature: Array, bounds: Array, longe
 
 
 class Profile:
-    """The smallest misfit as a function of z, at the places computed so far."""
+    """Smallest misfit over p as a function of z, at the places computed so far.
+
+    Its arrays have one row for each place, in the order of z: `places` (z, m), `values` (smallest
+    misfit), `nuisances` (the p that gives it) and `converged` (whether its search ended there).
+    """
 
     def __init__(
         self,
@@ -151,7 +174,10 @@ class Profile:
         search: tuple[float, float],
         progress: Callable[[float], None] | None,
     ) -> None:
-        """The scan; places where the motion cannot be followed are omitted."""
+        """Scan the range `search` of z, m; omit places where the motion cannot be followed.
+
+        `progress`, if given, is called with the fraction done.
+        """
         self._likelihood = likelihood
         self.places = np.linspace(*search, _PLACES)
         self.values = np.full(_PLACES, np.inf)
@@ -168,7 +194,7 @@ class Profile:
         self.nuisances, self.converged = self.nuisances[followed], self.converged[followed]
 
     def _try(self, progress: Callable[[float], None]) -> None:
-        """The best trial at each place."""
+        """Evaluate all trial values of p at each place, and keep the best at each."""
         trials = self._likelihood.trials
         for done, p in enumerate(trials, 1):
             for i, z in enumerate(self.places):
@@ -179,13 +205,15 @@ class Profile:
             progress(0.5 * done / len(trials))
 
     def _fitted(self, z: float, begin: Array) -> Fit:
+        """Return the minimum over p at a fixed z, m, that is reached from `begin` (n,)."""
         known = self._likelihood
         return descend(lambda p: known.misfit(z, p), begin, known.bounds, known.steps[1:])
 
     def _follow(self, progress: Callable[[float], None]) -> None:
-        """Minima from the trials; then from neighbour to neighbour, until none improves.
+        """Find the minimum at each place from its best trial, then from its neighbours' minima.
 
-        The result is never above the minimum reached from the left or the right neighbour.
+        Sweeps in both directions are repeated until no place improves by more than `_NOTHING`. The
+        result is never above the minimum reached from the left or the right neighbour.
         """
         new = np.zeros(_PLACES, dtype=bool)
         for i in np.argsort(self.values):
@@ -194,7 +222,7 @@ class Profile:
                 self._take(i, self._fitted(self.places[i], self.nuisances[i]))
         for scan in range(_SCANS):
             progress(0.6 + 0.4 * scan / _SCANS)
-            lower = np.zeros(_PLACES, dtype=bool)
+            lower = np.zeros(_PLACES, dtype=bool)  # places that improved in this sweep
             for way, order in ((1, range(1, _PLACES)), (-1, range(_PLACES - 2, -1, -1))):
                 for i in order:
                     near = self.values[i - way] < self.values.min() + _HOPELESS
@@ -209,21 +237,23 @@ class Profile:
         progress(1.0)
 
     def _take(self, i: int, found: Fit) -> None:
+        """Replace the fit at place number i if `found` is not worse."""
         if found.value <= self.values[i]:
             self.values[i], self.nuisances[i] = found.value, found.at
             self.converged[i] = found.converged
 
     def _sought(self, z: float) -> Fit:
-        """From the places on both sides."""
+        """Return the better of the fits at z, m, that begin at the p of the places beside it."""
         right = int(np.clip(np.searchsorted(self.places, z), 1, len(self.places) - 1))
         sides = [self._fitted(z, self.nuisances[i]) for i in (right - 1, right)]
         return min(sides, key=lambda fit: fit.value)
 
     def above(self, z: float) -> float:
-        """Misfit above the smallest at any z; adds no place."""
+        """Return the misfit at z, m, less the smallest of all places; adds no place."""
         return self._sought(z).value - float(self.values.min())
 
     def _add(self, z: float, found: Fit) -> None:
+        """Insert a place at z, m, with the fit found there, or improve the place that is there."""
         i = int(np.searchsorted(self.places, z))
         if i < len(self.places) and self.places[i] == z:
             self._take(i, found)
@@ -235,13 +265,16 @@ class Profile:
 
     @property
     def lowest(self) -> NDArray[np.intp]:
-        """Places of the minima near the smallest, including the ends of the search."""
+        """Numbers of the places with minima near the smallest; ends of the search count."""
         around = np.concatenate([[np.inf], self.values, [np.inf]])
         below = (self.values <= around[:-2]) & (self.values < around[2:])
         return np.flatnonzero(below & (self.values < self.values.min() + _HOPELESS))
 
     def joint(self, i: int) -> Fit:
-        """The minimum over z/unit and p reached from a place, between its neighbours."""
+        """Return the minimum over z/unit and p together, reached from place number i.
+
+        z stays between the neighbours of the place.
+        """
         known = self._likelihood
         ends = self.places[[max(i - 1, 0), min(i + 1, len(self.places) - 1)]] / known.unit
         return descend(
@@ -251,7 +284,7 @@ class Profile:
         )  # fmt: skip
 
     def polish(self) -> None:
-        """Add the minima between the places."""
+        """Add the minima over z and p, which lie between the places of the scan."""
         for found in [self.joint(i) for i in self.lowest]:
             self._add(self._likelihood.unit * found.at[0], found._replace(at=found.at[1:]))
 
@@ -287,16 +320,17 @@ class Profile:
 
 
 def below(profile: Profile) -> list[tuple[float, float]]:
-    """Intervals where the misfit is below the level."""
+    """Return the intervals of z, m, in which the misfit exceeds its smallest by at most `LEVEL`."""
     at, values = profile.places, profile.values - profile.values.min()
     inside = values <= LEVEL
     tolerance = 2e-5 * (at[-1] - at[0])
     known = dict(zip(at.tolist(), values.tolist(), strict=True))
 
     def above(z: float) -> float:
-        # as found there: a repeated fit may differ within its tolerance
+        # use the known value at a place: a repeated fit may differ from it within its tolerance
         return min(known[z] if z in known else profile.above(z), 1e6) - LEVEL
 
+    # z where the misfit crosses the level, by the number of the place before it
     crossings = {
         i: brentq(above, float(at[i]), float(at[i + 1]), xtol=tolerance)
         for i in np.flatnonzero(inside[1:] != inside[:-1])

@@ -1,4 +1,4 @@
-"""Whether what a Kalman filter leaves of a record is white."""
+"""Test whether the residuals of a Kalman filter are white noise."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _LAGS = 10
 
 
 def p_value(path: Filtered, *, sized: bool, fitted: int) -> float:
-    """Return the probability of residuals that deviate as much from white noise.
+    """Return the probability of residuals that deviate as much or more from white noise.
 
     The test uses their correlations (G. M. Ljung and G. E. P. Box, Biometrika 65, 297 (1978)). It
     also uses the sum of their squares if `sized`, which is a chi-square for residuals of size 1.

@@ -27,8 +27,11 @@ class Whitened:
     """
 
     axis: str
+    """"x", "y" or "z\""""
     periodogram: Periodogram
+    """periodogram of y, averaged over blocks of frequencies"""
     phi: float
+    """correlation of x from sample to sample, a number below 1"""
 
     @classmethod
     def of(cls, axis: str, positions: Array, step: float) -> Whitened:
@@ -39,7 +42,7 @@ class Whitened:
 
     @property
     def _gain(self) -> Array:
-        """Power of y over that of x, (blocks,)."""
+        """Ratio of the power of y to the power of x at the frequencies of the blocks, (blocks,)."""
         turn = np.pi * self.periodogram.step * self.periodogram.frequencies
         return (1 - self.phi) ** 2 + 4 * self.phi * np.sin(turn) ** 2
 
