@@ -1,4 +1,4 @@
-"""Whether two results agree within their errors, and where they do not."""
+"""Comparison of two results: whether they agree within their errors, and where they do not."""
 
 from __future__ import annotations
 
@@ -59,99 +59,112 @@ _ATTRIBUTES = (
 
 
 class Numbers(NamedTuple):
-    """One quantity of a result."""
+    """The numbers of one quantity of a result, with their errors."""
 
     unit: str
+    """SI unit of the values and errors"""
     values: Array
-    """of any shape; of vectors the last axis is theirs"""
+    """any shape; if the quantity is a vector, the last axis is its components"""
     errors: Array
-    """of each number, or of each vector: bounds, or standard errors"""
+    """error of each number, or of each vector (then one axis less than `values`): bounds, or
+    standard errors for a result with thermal motion"""
     where: Callable[[tuple[int, ...]], str]
-    """the place of an error, in words"""
+    """function that returns the place of the error with an index, in words, such as "along x\""""
     freedom: float | Array = math.inf
-    """degrees of freedom of the standard errors: of all, or of each"""
+    """degrees of freedom of the standard errors: one number, or one for each error"""
     is_variance: bool = False
+    """whether the values are variances, which are compared by their ratio"""
     parts: float | Array = math.nan
-    """number of the parts by whose scatter the errors are known"""
+    """number of samples, windows or trajectories from whose scatter the errors are estimated"""
     part: str = ""
-    """what a part is: the scatter is that of both results where it is the same; "" if of each"""
+    """name of such a part, with its spacing or length; if it is the same in both results, their
+    scatter is estimated from both together; "" if it is estimated from each alone"""
 
     @property
     def vectors(self) -> bool:
-        """Whether the errors are of vectors."""
+        """Whether each error is that of a vector, not of a number."""
         return self.values.ndim > self.errors.ndim
 
 
 class Found(NamedTuple):
-    """What a result has to compare."""
+    """Contents of a result that are compared with those of another."""
 
     numbers: dict[str, Numbers]
+    """numbers by the name of their quantity"""
     words: dict[str, str] | None = None
-    """such as an outcome"""
+    """words by name, such as the outcome of a run, which must be equal"""
     left_out: str = ""
-    """what it has and its numbers do not use"""
+    """note on data that the numbers do not use, such as samples without a position; "" for none"""
     obstacle: str = ""
-    """why it can be the same as another, and cannot be compared otherwise"""
+    """reason why the numbers can be tested only for being identical, such as too few samples; ""
+    for none"""
 
 
 class _Apart(NamedTuple):
-    """How far apart the numbers of one quantity are; each of the shape of its errors."""
+    """Differences of one quantity between two results. Each array has the shape of its errors."""
 
     difference: Array
+    """absolute difference, or distance of two vectors; infinite if only one result has the number
+    and errors are bounds"""
     allowed: Array
+    """sum of both bounds, or standard error of the difference"""
     ratio: Array
-    """of both; 0 where it is not known"""
+    """`difference` over `allowed`; 0 where it is not known"""
     chance: Array | None
     """probability of a difference as large or larger; None if errors are bounds"""
     had: NDArray[np.bool_]
-    """whether one of both has the number, or both"""
+    """whether at least one of the results has the number"""
     known: NDArray[np.bool_]
-    """whether it can be compared"""
+    """whether the number can be compared"""
 
 
 class Source(NamedTuple):
-    """A result, of which nothing is computed or read yet."""
+    """A result to be compared, whose numbers are read or computed when they are needed."""
 
     name: str
+    """of its file, or "first" or "second\""""
     kind: str
+    """such as "thermal run"; only results of one kind are compared"""
     statistical: bool
     """whether errors are standard errors, not bounds"""
     about: dict[str, Any]
-    """keys of the scene, and attributes"""
+    """keys of the scene, and attributes that say how it was computed, with their values"""
     times: Array | None
-    """at which it may be compared; None if it has none"""
+    """(n,) s: times at which it may be compared; None for a result without times"""
     found: Callable[[NDArray[np.int64]], Found]
-    """what it has, at times of these numbers"""
+    """function that returns the contents at the times with these indices into `times`"""
     model_error: float = 0.0
-    """m, of the positions of a run: it counts where the other is of another model"""
+    """error of the model for the positions of a run, m; added if the other run has another model"""
     over: str = ""
-    """the keys and values of a sweep"""
+    """keys of a sweep and their values; "" for other results"""
     dataset: xr.Dataset | None = None
-    """all of it; None of a trap and of a calibration"""
+    """the whole dataset; None for a trap or a calibration"""
 
 
 @dataclass(frozen=True)
 class Compared:
-    """One quantity of both results."""
+    """Outcome of the comparison of one quantity: its largest difference, in units of its error."""
 
     name: str
     unit: str
+    """SI unit of the difference"""
     count: int
-    """numbers compared"""
+    """number of numbers, or vectors, that were compared"""
     difference: float
-    """of the two that are farthest apart, measured by their errors"""
+    """difference of the two numbers that are furthest apart relative to their errors"""
     allowed: float
-    """the sum of both errors there; of a statistical comparison the standard error"""
+    """sum of both errors of these numbers, or the standard error of their difference"""
     where: str
-    """where that is; "" for one number"""
+    """place of these numbers in words, such as "along x"; "" for a single number"""
     p_value: float | None
     """probability of standardised differences as large or larger among so many numbers, of
     results of the same statistics; None if errors are bounds"""
     agrees: bool
+    """whether the difference is within the errors, or p_value is not below 1 %"""
 
     @property
     def told(self) -> str:
-        """In words."""
+        """Difference, its error and its probability in words."""
         if math.isinf(self.difference):
             return "a finite number in one alone"
         factor, unit = usual_unit(max(abs(self.difference), self.allowed), self.unit)
@@ -164,7 +177,7 @@ class Compared:
 
 @dataclass(frozen=True, repr=False)
 class Comparison(Shown):
-    """Two results side by side."""
+    """Outcome of a comparison of two results."""
 
     names: tuple[str, str]
     kind: str
@@ -283,7 +296,11 @@ def compare(a: Given, b: Given) -> Comparison:
 def _check_left(
     names: tuple[str, str], apart: Mapping[str, _Apart], same: bool, words: Any
 ) -> None:
-    """Raise `ResultError` where agreement would say nothing of a quantity, or of any."""
+    """Raise `ResultError` if nothing was compared, or nothing of one quantity.
+
+    names: of both results. apart: differences by quantity. same: whether all numbers are identical.
+    words: words that were compared, if any; an outcome other than failed or missing suffices.
+    """
     told = words and any(word not in (FAILED, MISSING) for word in words.values())
     if not told and not any(each.had.any() for each in apart.values()):
         raise ResultError(f"{' and '.join(names)}: cannot be compared: they hold no number")
@@ -296,11 +313,15 @@ def _check_left(
 
 
 def _model(of: Source) -> tuple[Any, ...]:
+    """Return the model of motion and the fluid's inertia, which share one model error."""
     return of.about.get("model"), of.about.get("fluid_inertia")
 
 
 def _off(found: Found, source: Source) -> Found:
-    """The same with the error of the model among the errors."""
+    """Return the contents of a run with its model error, m, added to each error.
+
+    Runs by different models differ by the errors of both models; runs by one model share its error.
+    """
     numbers = {
         name: each._replace(errors=each.errors + source.model_error)
         for name, each in found.numbers.items()
@@ -309,12 +330,16 @@ def _off(found: Found, source: Source) -> Found:
 
 
 def _common_times(a: Source, b: Source) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Numbers of the times that both have after the first; of statistics a few of them."""
+    """Return the indices, in each result, of the times after the first that both have.
+
+    At most 20 of them, evenly spaced, are taken if errors are standard errors, because numbers at
+    neighbouring times are correlated. Raises `ResultError` if there are none.
+    """
     if a.times is None or b.times is None:
         none = np.zeros(0, np.int64)
         return none, none
     near = np.clip(np.searchsorted(b.times, a.times), 1, len(b.times) - 1)
-    near -= a.times - b.times[near - 1] < b.times[near] - a.times
+    near -= a.times - b.times[near - 1] < b.times[near] - a.times  # the one before, if nearer
     here = np.flatnonzero(np.abs(b.times[near] - a.times) <= _ROUNDING * a.times)
     if not len(here := here[here > 0]):
         raise ResultError(
@@ -330,7 +355,11 @@ def _notes(
     of: Source, names: tuple[str, str], a: Found, b: Found, apart: Mapping[str, _Apart],
     times: int, same: bool,
 ) -> Iterator[str]:  # fmt: skip
-    """How it was compared, unless the numbers are the same, and what was left out."""
+    """Yield sentences on how two results were compared, and on the numbers that were left out.
+
+    of: the first result. a, b: contents of both. apart: differences by quantity. times: number of
+    times compared. same: whether all numbers are identical.
+    """
     if of.statistical and not same:
         yield (
             "the largest difference of each quantity, and its standard error; results of the same "
@@ -354,6 +383,11 @@ def _notes(
 
 
 def _apart(name: str, a: Numbers, b: Numbers, statistical: bool) -> _Apart:
+    """Compute the differences of one quantity between two results, and their probabilities.
+
+    statistical: whether errors are standard errors. Then a difference over its standard error is
+    compared with Student's distribution, and a ratio of variances with the F distribution.
+    """
     if a.values.shape != b.values.shape:
         raise ResultError(
             f"{name}: is of the shape {a.values.shape} in one, {b.values.shape} in the other"
@@ -377,12 +411,15 @@ def _apart(name: str, a: Numbers, b: Numbers, statistical: bool) -> _Apart:
     else:  # a number that only one of them has is a difference, whatever its error
         known = had & (alike | one_alone | np.isfinite(errors))
         apart = np.where(one_alone, math.inf, apart)
+    # `allowed` includes rounding, so that identical physics passes where errors are zero
     finite = np.where(alike | ~np.isfinite(size), 0.0, size)
     allowed = np.where(np.isfinite(errors), errors, 0.0) + _ROUNDING * finite
     ratio = np.zeros_like(apart)
     np.divide(apart, allowed, out=ratio, where=known & ~alike)
     chance = None
     if statistical:
+        # `deviate` is negative, so that its distribution function is the one-sided probability;
+        # numbers that are no variances have their ratio instead
         deviate = np.where(np.isnan(deviate), -ratio, deviate)
         one = np.where(np.isinf(freedom), ndtr(deviate), stdtr(freedom, deviate))
         chance = np.where(known & ~alike, 2 * one, 1.0)
@@ -390,12 +427,15 @@ def _apart(name: str, a: Numbers, b: Numbers, statistical: bool) -> _Apart:
 
 
 def _by_chance(a: Numbers, b: Numbers) -> tuple[Array, Array, Array]:
-    """Standard errors of the differences, their degrees of freedom, and deviates of variances.
+    """Return the standard errors of the differences, their degrees of freedom, and deviates.
 
-    The ratio of two variances has the F distribution, with degrees of freedom 2 s^4/e^2 of a
-    variance s^2 of the standard error e (L. H. Shoemaker, Am. Stat. 57, 105 (2003)): as many as the
-    parts less one for Gaussian numbers. Its deviate is the normal one of the same probability, from
-    0 down; NaN of other numbers.
+    The ratio of two variances has the F distribution. A variance s^2 with standard error e has
+    2 s^4/e^2 degrees of freedom (L. H. Shoemaker, Am. Stat. 57, 105 (2003)), which is the number of
+    parts less one for Gaussian numbers. The deviate is the standard normal number, at most 0, whose
+    one-sided probability equals that of the ratio; it is NaN for numbers that are no variances.
+
+    If both results are sampled alike, their errors and variances are averaged over both, weighted
+    by their numbers of parts. In the code, e holds squared standard errors.
     """
     e, variance = [a.errors**2, b.errors**2], [a.values, b.values]
     freedom = np.minimum(a.freedom, b.freedom)
@@ -415,6 +455,10 @@ def _by_chance(a: Numbers, b: Numbers) -> tuple[Array, Array, Array]:
 
 
 def _compared(name: str, a: Numbers, apart: _Apart, count: int) -> Compared:
+    """Return the outcome for one quantity, from the number with the least probable difference.
+
+    count: number of numbers of all quantities, by which the probability is multiplied (Bonferroni).
+    """
     ratio = np.where(apart.known, apart.ratio, -1.0)
     chance = np.ones_like(ratio) if apart.chance is None else apart.chance
     # the least likely; of those that are alike in that, the one farthest apart
@@ -429,7 +473,10 @@ def _compared(name: str, a: Numbers, apart: _Apart, count: int) -> Compared:
 
 
 def _same(first: Source, second: Source, a: Found, b: Found) -> bool:
-    """Whether all numbers and times of both are the same, bit for bit."""
+    """Return whether all numbers and times of two results are the same, bit for bit.
+
+    Datasets are compared whole; of other results the contents a and b.
+    """
     if first.dataset is not None and second.dataset is not None:
         return _alike(first.dataset, second.dataset)
     return (
@@ -440,7 +487,10 @@ def _same(first: Source, second: Source, a: Found, b: Found) -> bool:
 
 
 def _alike(a: xr.Dataset, b: xr.Dataset) -> bool:
-    """Whether both have the same variables with the same numbers; read a part at a time."""
+    """Return whether two datasets have the same variables with the same numbers.
+
+    They are read in parts of about 2 million numbers, because they may not fit into memory.
+    """
     if a.variables.keys() != b.variables.keys() or a.sizes != b.sizes:
         return False
     for name, here in a.variables.items():
@@ -457,21 +507,27 @@ def _alike(a: xr.Dataset, b: xr.Dataset) -> bool:
 
 
 def _equal(a: NDArray[Any], b: NDArray[Any]) -> bool:
+    """Return whether two arrays are equal, where NaN equals NaN."""
     numbers = all(each.dtype.kind in "fc" for each in (a, b))
     return np.array_equal(a, b, equal_nan=numbers)
 
 
 def _differing(a: dict[str, Any], b: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
+    """Yield each key whose values differ, with both values as text ("none" if one lacks it)."""
     for key in dict.fromkeys([*a, *b]):
         here, there = (clipped(str(each.get(key, "none"))) for each in (a, b))
         if here != there:
             yield key, here, there
 
 
-# --- what each kind of result has -----------------------------------------------------------------
+# --- contents of each kind of result --------------------------------------------------------------
 
 
 def _source(of: Given, name: str) -> Source:
+    """Return a result, or the result in a file, as it is compared. name: for messages.
+
+    Raises `ResultError` for a file or result that cannot be compared.
+    """
     if isinstance(of, str | Path):
         path = Path(of)
         name = path.name
@@ -544,6 +600,10 @@ def _keys(scene: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _of_run(name: str, run: xr.Dataset, about: dict[str, Any]) -> Source:
+    """Return a run as it is compared: by mean and variance if it has thermal motion, else by path.
+
+    name: for messages. about: keys and attributes with their values.
+    """
     followed = Run.of(run)
     times, places = followed["time"], followed["position"]
     if scene_of(run).forces.brownian:
@@ -579,11 +639,16 @@ def _of_run(name: str, run: xr.Dataset, about: dict[str, Any]) -> Source:
 
 
 def _ms(time: float) -> str:
+    """Return a time, s, as text in milliseconds with six digits."""
     return printed(time, "ms", 6)
 
 
 def _moments_in_time(places: Array, step: float) -> tuple[dict[str, Numbers], float]:
-    """Mean and variance along each axis over the time of a run; its independent samples."""
+    """Return mean and variance along each axis over the time of a run, and independent samples.
+
+    The number of independent samples is the smallest of all: samples over the statistical
+    inefficiency (correlation time in samples). places: (n, 3) m. step: sampling interval, s.
+    """
     fewest, n = math.inf, len(places)
     found: dict[str, list[tuple[float, float, float]]] = {"mean": [], "variance": []}
     for x in places.T:
@@ -608,10 +673,15 @@ def _moments_in_time(places: Array, step: float) -> tuple[dict[str, Numbers], fl
 
 
 def _along(at: tuple[int, ...]) -> str:
+    """Return the axis that the last index means, as "along x"."""
     return f"along {'xyz'[at[-1]]}"
 
 
 def _of_ensemble(name: str, runs: xr.Dataset, about: dict[str, Any]) -> Source:
+    """Return an ensemble as it is compared: by moments over trajectories, and the part lost.
+
+    name: for messages. about: keys and attributes with their values.
+    """
     times, lost = runs["time"].values, np.isfinite(runs["lost_time"].values)
     if np.isnan(runs["lost_time"].values).any():
         raise ResultError(f"{name}: is not complete")
@@ -648,12 +718,19 @@ def _of_ensemble(name: str, runs: xr.Dataset, about: dict[str, Any]) -> Source:
 
 
 def _error_of_variance(variance: Any, kurtosis: Any, number: Any) -> Any:
-    """Standard error of the variance of so many numbers, by their kurtosis (Shoemaker)."""
+    """Return the standard error of a variance of `number` samples with this kurtosis (Gaussian: 3).
+
+    The formula is that of L. H. Shoemaker, Am. Stat. 57, 105 (2003).
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         return variance * np.sqrt((kurtosis - (number - 3) / (number - 1)) / number)
 
 
 def _of_statistics(name: str, gathered: xr.Dataset, about: dict[str, Any]) -> Source:
+    """Return the statistics of an ensemble as they are compared: by all means and variances.
+
+    name: for messages. about: keys and attributes with their values.
+    """
     times = gathered["time"].values
     window = [gathered.attrs.get(key) for key in ("samples_per_window", "samples", "duration")]
 
@@ -688,13 +765,20 @@ def _of_statistics(name: str, gathered: xr.Dataset, about: dict[str, Any]) -> So
 
 
 def _of_sweep(name: str, swept: xr.Dataset, about: dict[str, Any]) -> Source:
+    """Return a sweep as it is compared: by its variables that have errors, and the case outcomes.
+
+    name: for messages. about: keys and attributes with their values.
+    """
     of = swept.attrs["of"]
     statistical = of in ("ensemble", "calibrate")
     lasting = (about.get(f"simulation.{key}") for key in ("duration", "samples"))
     window = f"window {(*lasting, swept.attrs.get('skip'))}"
 
     def freedom_of(key: str, shape: tuple[int, ...]) -> Array:
-        """Degrees of freedom: of what is of the beads left, by them."""
+        """Return the degrees of freedom of a variable of this shape: remaining beads less one.
+
+        They are infinite unless the sweep is of ensembles. The lost part counts all trajectories.
+        """
         if of != "ensemble":
             return np.full(shape, math.inf)
         trajectories, lost = float(swept.attrs["trajectories"]), swept["lost"].values
@@ -731,6 +815,7 @@ def _of_sweep(name: str, swept: xr.Dataset, about: dict[str, Any]) -> Source:
 
 
 def _value(swept: xr.Dataset, dimension: Any, index: int) -> str:
+    """Return the value of a swept key at an index as text; the index if it has no values."""
     value = swept[dimension].values[index] if dimension in swept.coords else index
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
@@ -738,7 +823,10 @@ def _value(swept: xr.Dataset, dimension: Any, index: int) -> str:
 def _of_result(
     name: str, kind: str, result: Result, about: dict[str, Any], words: dict[str, str]
 ) -> Source:
-    """Return the quantities that a result lists for comparisons."""
+    """Return a result as it is compared: by the quantities that it lists, with their errors.
+
+    about: keys and attributes with their values. words: words that must be equal.
+    """
     listed = [each for each in result.quantities() if each.of.compared]
     numbers = {each.of.name.replace("_", " "): _numbers_of(each) for each in listed}
     statistical = any(each.of.kind == STANDARD for each in listed)
@@ -746,7 +834,7 @@ def _of_result(
 
 
 def _numbers_of(measured: Measured) -> Numbers:
-    """Return a quantity as it is compared: a vector where its error is that of a vector."""
+    """Return the numbers of a measured quantity; a vector with one error stays a vector."""
     quantity, values, errors, _ = measured
     where = {"": _nowhere, "axis": _along, "direction": _outwards}[quantity.along]
     assert errors is not None
@@ -756,6 +844,7 @@ def _numbers_of(measured: Measured) -> Numbers:
 
 
 def _of_trap(name: str, trap: Trap, about: dict[str, Any]) -> Source:
+    """Return a trap as it is compared: by its quantities, and by whether it holds the bead."""
     scene = trap.scene.model_dump(mode="json", exclude_none=True)
     how = {"theory": trap.theory, "evaluator": trap.evaluator}
     words = {"held": str(trap.equilibrium is not None)}
@@ -763,14 +852,20 @@ def _of_trap(name: str, trap: Trap, about: dict[str, Any]) -> Source:
 
 
 def _outwards(at: tuple[int, ...]) -> str:
+    """Return the escape direction that the first index means, as "on the way to +z"."""
     return f"on the way to {DIMENSIONS['direction'][at[0]]}"
 
 
 def _nowhere(_: tuple[int, ...]) -> str:
+    """Return "", the place of a quantity that is a single number."""
     return ""
 
 
 def _of_calibration(name: str, found: Mapping[str, Any]) -> Source:
+    """Return a calibration as it is compared: by stiffness estimates without findings.
+
+    found: fields of the calibration by name.
+    """
     numbers = {
         f"stiffness {axis['axis']}, {each['method']}": Numbers(
             "N/m",
