@@ -10,18 +10,22 @@ from tweezer.forces.force import KERNEL, Pose, Wrench, add
 
 
 def unreached() -> Part:
-    """Stand-in for the force outside the table: an infinite error marks the positions."""
+    """Return a stand-in for the force outside a table, whose infinite error marks the positions.
+
+    It lets a table be read without a force outside it, which would have to be compiled.
+    """
     return Part(address(_infinite_error, KERNEL), packed())
 
 
 @cached_njit(error_model="numpy", nogil=True)
 def _infinite_error(pose, data, wrench):  # type: ignore[no-untyped-def]  # noqa: ARG001
+    """Set the error of every bead to infinity, as a kernel."""
     wrench.error[:] = np.inf
 
 
 @cached_njit(error_model="numpy", nogil=True)
 def add_one(force, pose, at, wrench):  # type: ignore[no-untyped-def]
-    """Add a force to the bead `at` only."""
+    """Add a force (`Part`) on the bead number `at` alone to its row of `wrench`."""
     one = slice(at, at + 1)
     add(
         force,

@@ -20,9 +20,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Mapped(LightForce):
-    """The polynomials of a table, with its certified error."""
+    """Force read from a table of polynomials, with its certified error."""
 
     made: Made
+    """the table"""
     unit: float
     """of the table's lengths, m"""
     outside: LightForce
@@ -59,6 +60,7 @@ class Mapped(LightForce):
         return self.made.kernel(gradient=gradient), data
 
     def _data(self, beyond: Part) -> Data:
+        """Return the data of the kernel; beyond: the force outside the table's range."""
         return self.made.data(self.unit, self.light.strength, beyond)
 
     @functools.cached_property

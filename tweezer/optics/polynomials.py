@@ -30,12 +30,14 @@ INNER: dict[str, Any] = {"inner": True, "error_model": "numpy", "forceinline": T
 
 @named_njit(**INNER)
 def read(numbers, first, functions, many, found, u, v, gradient, rows, out):  # type: ignore[no-untyped-def]
-    """Values of so many functions for up to eight beads, to `out`.
+    """Compute the values of polynomials at the coordinates of up to eight beads, into `out`.
 
-    numbers: with the coefficients of all functions of bead i from first[i] on. found: with the
-    coordinates of the beads from u and from v on. gradient: whether the derivatives over u and
-    over v are wanted too, after the values of each function. rows: `ROWS` numbers for each
-    function to work with, twice that with gradients. What is found for missing beads means nothing.
+    numbers: with the coefficients of all `functions` of bead i from first[i] on. many: number of
+    beads. found: with the coordinates of the beads on their pieces from the entries u and v on.
+    gradient: whether the derivatives over u and v are wanted too. rows: `ROWS` numbers for each
+    function to work with, twice that with gradients. out: gets eight values of each function, with
+    gradients followed by eight derivatives over u and eight over v; for missing beads they mean
+    nothing.
     """
     kinds, slopes = 3 if gradient else 1, functions * ROWS
     for i in range(many):
@@ -65,24 +67,25 @@ def read(numbers, first, functions, many, found, u, v, gradient, rows, out):  # 
 
 @named_njit(**INNER)
 def _sum(c, v, square, fourth):  # type: ignore[no-untyped-def]
-    """c[0] + c[1] v + ... + c[7] v^7, from v and its powers."""
+    """Return c[0] + c[1] v + ... + c[7] v^7 for eight beads; square, fourth: v^2, v^4."""
     low = (c[0] + v * c[1]) + square * (c[2] + v * c[3])
     return low + fourth * ((c[4] + v * c[5]) + square * (c[6] + v * c[7]))
 
 
 @named_njit(**INNER)
 def _slope(c, v, square, fourth):  # type: ignore[no-untyped-def]
-    """Derivative of `_sum` over v."""
+    """Return c[1] + 2 c[2] v + ... + 7 c[7] v^6, the derivative of `_sum` over v."""
     low = (c[1] + v * (2.0 * c[2])) + square * (3.0 * c[3] + v * (4.0 * c[4]))
     return low + fourth * ((5.0 * c[5] + v * (6.0 * c[6])) + square * (7.0 * c[7]))
 
 
 @named_njit(**INNER)
 def put(f, h, g, x, y, unit, per_length, gradient, parts):  # type: ignore[no-untyped-def]
-    """Fill `parts` with unit (f x - h y, f y + h x, g), and its gradients, in unit per_length.
+    """Fill `parts` with the vectors unit (f x - h y, f y + h x, g) of eight beads.
 
-    f, h, g: each a value and its derivatives over x, y and z, of eight beads. parts: `PARTS`
-    numbers, see `add_up`.
+    f, h, g: functions of the position, each a value and its derivatives over x, y and z. x, y: of
+    the beads, in 1/per_length. unit: of the vector, N or N m. gradient: whether the gradients are
+    stored too, in unit per_length. parts: `PARTS` numbers, see `add_up`.
     """
     store(parts, 0, unit * (f[0] * x - h[0] * y))
     store(parts, LANES, unit * (f[0] * y + h[0] * x))
@@ -102,9 +105,9 @@ def put(f, h, g, x, y, unit, per_length, gradient, parts):  # type: ignore[no-un
 
 @named_njit(**INNER)
 def coordinates(position, at, many, spare):  # type: ignore[no-untyped-def]
-    """x, y and z of up to eight beads of `position` (n, 3), from the bead `at` on.
+    """Return x, y and z of eight beads of `position` (n, 3), from the bead `at` on.
 
-    Where they are fewer than eight, the last of them comes again. spare: `PLACES` numbers.
+    If only `many` < 8 are left, the last of them is repeated. spare: `PLACES` numbers to work with.
     """
     if many == LANES:
         return columns(position, 3 * at)
@@ -118,10 +121,12 @@ def coordinates(position, at, many, spare):  # type: ignore[no-untyped-def]
 
 @named_njit(**INNER)
 def add_up(parts, there, at, many, whole, gradient, vectors, gradients):  # type: ignore[no-untyped-def]
-    """Add vectors of up to eight beads, and their gradients, to those from the bead `at` on.
+    """Add the vectors of up to eight beads, and their gradients, to arrays of all beads.
 
-    parts: the three entries of the vectors, then the nine of the gradients, each of eight beads.
-    whole: whether all eight are there; if not, there: (8,) 0 for a bead that is left out.
+    parts: the three entries of the vectors, then the nine of the gradients, each for eight beads.
+    there: (8,) 0 for a bead that is left out; it is not read if `whole`, that is if all eight
+    count. at, many: first bead and number of beads. gradient: whether gradients are added. vectors:
+    (n, 3); gradients: (n, 3, 3).
     """
     if whole:
         x, y, z = lanes(parts, 0), lanes(parts, LANES), lanes(parts, 2 * LANES)

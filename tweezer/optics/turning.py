@@ -9,9 +9,10 @@ from tweezer.compiled import named_njit
 
 @named_njit(error_model="numpy", inner=True)
 def put(found, cosine, sine, gradient, moment, at, wrench):  # type: ignore[no-untyped-def]
-    """Add `found`, turned about z, to bead `at` of a wrench.
+    """Add the force on one bead to row `at` of a `Wrench`, turned about z into the scene's frame.
 
-    found: (24,) force, moment, and their gradients, row by row.
+    found: (24,) force, moment, and their gradients, row by row, with the bead in the plane y = 0.
+    cosine, sine: of the bead's azimuth. gradient, moment: whether these are added.
     """
     wrench.force[at, 0] += cosine * found[0] - sine * found[1]
     wrench.force[at, 1] += sine * found[0] + cosine * found[1]
@@ -28,7 +29,10 @@ def put(found, cosine, sine, gradient, moment, at, wrench):  # type: ignore[no-u
 
 @named_njit(error_model="numpy", nogil=True, inner=True)
 def _add_turned(matrix, cosine, sine, out):  # type: ignore[no-untyped-def]
-    """Add R J R^T, for a turn about z."""
+    """Add R J R^T to `out` (3, 3): the matrix J, (9,) row by row, turned about z by R.
+
+    cosine, sine: of the angle.
+    """
     half = np.empty(9)
     for j in range(3):
         half[j] = cosine * matrix[j] - sine * matrix[3 + j]

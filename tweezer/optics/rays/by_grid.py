@@ -17,10 +17,12 @@ from tweezer.scene import Scene
 
 @dataclass(frozen=True, eq=False)
 class ByGrid(LightForce):
-    """The sum over the thesis's rays. It has no error estimate of its own."""
+    """Force of the light by the sum over the thesis's rays; it has no error estimate of its own."""
 
     light: RayLight
+    """rays, and the sphere they fall on"""
     tiles: Tiles
+    """the rays of the grid, in groups of neighbours"""
     tolerance: float
     """relative, of the quadrature that the sum is compared with"""
 
@@ -46,7 +48,7 @@ class ByGrid(LightForce):
 
 
 def by_grid(scene: Scene) -> ByGrid:
-    """The force of the light of `scene`, from `beam.divisions` squares across the pupil."""
+    """Return the force of the light of `scene` by `beam.divisions` squares across the pupil."""
     light = light_on_bead(scene)
     rays = grid(scene.lens, scene.beam, scene.medium)
     in_tiles = tiles(rays.directions, light.momentum_per_energy * rays.powers)

@@ -34,7 +34,7 @@ _SOURCES = sources(
 
 @dataclass(frozen=True, eq=False)
 class ByMap(Mapped):
-    """The map of rays: one for beads of every radius."""
+    """Force of rays read from a map, which in radii of the bead is the same for every radius."""
 
     def of_radius(self, radius: float) -> Self:
         """See `LightForce.of_radius`."""
@@ -44,14 +44,14 @@ class ByMap(Mapped):
 
 
 def by_map(scene: Scene) -> ByMap:
-    """The force of the rays of `scene`, from its table: see `tweezer.optics.force_map`."""
+    """Return the force of the rays of `scene`, read from its map; made if not stored."""
     rays = light_on_bead(scene)
     made, _ = _stored(scene, rays)
     return ByMap(rays, made, rays.radius, to_tolerance(rays, scene.optics.tolerance))
 
 
 def ray_map(scene: Scene, progress: Progress | None = None) -> Table:
-    """The table of the force of the rays of `scene`: see `tweezer.optics.force_map`."""
+    """Return the map of the force of the rays of `scene`: see `tweezer.optics.force_map`."""
     rays = light_on_bead(scene)
     made, path = _stored(scene, rays, progress)
     return Table(made, rays.radius, rays.strength, path)
@@ -60,6 +60,11 @@ def ray_map(scene: Scene, progress: Progress | None = None) -> Table:
 def _stored(
     scene: Scene, rays: RayLight, progress: Progress | None = None
 ) -> tuple[Made, Path | None]:
+    """Return the map of a scene and the file it is stored in; it is made if there is no file.
+
+    The file's name follows from all that the map depends on: in units of the radius and of
+    n_m P/c neither the radius nor the power.
+    """
     if scene.beam.polarisation == "linear":
         raise SceneError(NO_MAP)
     in_radii = dataclasses.replace(rays, radius=1.0, momentum_per_energy=1 / rays.cone.power)

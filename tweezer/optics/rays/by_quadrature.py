@@ -26,10 +26,12 @@ ROUNDING = 1e-14
 
 @dataclass(frozen=True, eq=False)
 class ByQuadrature(LightForce):
-    """The integral over the lens, with an estimated error."""
+    """Force of the light by an integral over the lens, with an estimated error."""
 
     light: RayLight
+    """rays, and the sphere they fall on"""
     rule: Rule
+    """tables from which the nodes of the integral are computed"""
 
     scales = True
 
@@ -49,11 +51,11 @@ class ByQuadrature(LightForce):
 
 
 def to_tolerance(light: RayLight, tolerance: float) -> ByQuadrature:
-    """The force of `light` to that relative tolerance."""
+    """Return the force of `light` by quadrature, to a relative tolerance."""
     series = light.momentum_per_energy * light.cone.series
     return ByQuadrature(light, rule(light.cone.half_angle, series, light.strength, tolerance))
 
 
 def by_quadrature(scene: Scene) -> ByQuadrature:
-    """The force of the light of `scene`, to `optics.tolerance`."""
+    """Return the force of the light of `scene` as rays, by quadrature to `optics.tolerance`."""
     return to_tolerance(light_on_bead(scene), scene.optics.tolerance)

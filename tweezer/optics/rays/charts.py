@@ -1,8 +1,9 @@
 """Coordinates of a force table, in which the force is smooth up to the edges; and its reader.
 
-Lengths are in radii of the bead, forces in n_m P/c: the force of axisymmetric light is then a
-function of the bead's polar coordinates (d, gamma) in the meridional plane alone. It is analytic
-but for
+Lengths are in radii of the bead, forces in n_m P/c (refractive index of the medium, power, speed of
+light). The force F of axisymmetric light is then a function of the bead's polar coordinates (d,
+gamma) in the meridional plane alone: its distance from the focus, and the angle at which it is seen
+from there, off the axis. theta_m is the half angle of the cone of light. F is analytic but for
 
 * the circle d = 1 between gamma = a and b, pi/2 -+ theta_m: the plane through the focus across the
   line to the bead then holds rays of the cone, and F goes like w^2 log(w), w^2 = |1 - d^2|;
@@ -100,7 +101,8 @@ _DIGITS, _BELOW_1 = 52, 1.0 - 2.0**-52
 #: Bits of a number from 1 to 2 that hold these digits
 _FRACTION = np.uint64(2**52 - 1)
 
-#: What the kernel finds of eight beads: x1 and x2, the place on the piece and its derivatives
+#: Entries of what the kernel finds of eight beads, and their number: position x1, x2 across the
+#: light, rho, block, coordinates u, v on the piece, from -1 to 1, and their derivatives over rho, z
 (_X1, _X2, _RHO, _BLOCK, _U, _V, _U_RHO, _U_Z, _V_RHO, _V_Z, _FOUND) = (
     LANES * k for k in range(11)
 )
@@ -113,16 +115,16 @@ _WITHIN_CORE, _WITHIN_CIRCLE = CORE * CORE, 1.0 - 2.0**-53
 
 
 class Blocks(NamedTuple):
-    """The blocks of all charts."""
+    """The blocks of all charts: rectangles of their coordinates (x, y)."""
 
     chart: Integers
-    """(n,)"""
+    """(n,) the chart of each block: CORE_CHART, RING, OUTER or TRIANGLE"""
     bounds: Array
     """(n, 4): x from, to, y from, to"""
 
 
 def blocks(half_angle: float, reach: float) -> Blocks:
-    """The blocks for a cone of light of that half angle (rad), out to `reach` radii.
+    """Return the blocks for a cone of light of that half angle (rad), out to `reach` radii.
 
     Block 0 is the core, 1 to 3 the ring, and 5 + 5 i + j the part of the outer chart between lines
     i and i + 1 of P, and j and j + 1 of Q. The one between -tau and tau twice is the triangle
@@ -145,7 +147,11 @@ def blocks(half_angle: float, reach: float) -> Blocks:
 
 
 def places(chart: Integers, x: Array, y: Array, half_angle: float) -> tuple[Array, Array]:
-    """(rho, z) at coordinates x, y (n, ...) of charts (n,), also beyond the axis and w = 0."""
+    """Return (rho, z), in radii, at coordinates x, y (n, ...) of charts (n,).
+
+    half_angle: of the cone of light, rad. Coordinates may be beyond the axis and w = 0, to which
+    nodes of a piece may reach.
+    """
     rho, z = np.empty(x.shape), np.empty(x.shape)
     for each in range(4):
         on = chart == each
@@ -154,6 +160,7 @@ def places(chart: Integers, x: Array, y: Array, half_angle: float) -> tuple[Arra
 
 
 def _places(chart: int, x: Array, y: Array, half_angle: float) -> tuple[Array, Array]:
+    """Return (rho, z), in radii, at coordinates x, y of one chart; see `places`."""
     if chart == CORE_CHART:
         return np.sqrt(x), y
     if chart == RING:
@@ -169,7 +176,10 @@ def _places(chart: int, x: Array, y: Array, half_angle: float) -> tuple[Array, A
 
 
 def beyond(chart: Integers, bounds: Array, reach: float) -> NDArray[np.bool_]:
-    """Whether `bounds` (n, 4) lie out of reach, by more than rounding, (n,)."""
+    """Return whether rectangles lie wholly outside the table's range, by more than rounding, (n,).
+
+    chart: (n,) of each; bounds: (n, 4) x from, to, y from, to; reach: the range, in radii.
+    """
     slack = 1e-9
     x0, x1, y0, y1 = bounds.T
     nearest = np.where(y0 * y1 <= 0, 0.0, np.minimum(y0**2, y1**2))
@@ -189,8 +199,11 @@ def beyond(chart: Integers, bounds: Array, reach: float) -> NDArray[np.bool_]:
 
 @named_njit(**INNER)
 def _core(rho, squared, z, numbers, frames):  # type: ignore[no-untyped-def]
-    """Of eight positions block, coordinates x and y, their parts of the block's width, and dx/drho,
-    dx/dz, dy/drho, dy/dz.
+    """Return the place of eight beads in the chart of the core.
+
+    It is their block, coordinates x and y, the parts of the block's width below x and y, dx/drho,
+    dx/dz, dy/drho and dy/dz. rho, z: of the beads, in radii; squared: rho^2. numbers: of the
+    kernel's data, with the frames of the blocks from the entry `frames` on.
     """
     zero = spread(0.0)
     _, part_x = _interval(squared, numbers, frames, 0, 1)
@@ -200,7 +213,7 @@ def _core(rho, squared, z, numbers, frames):  # type: ignore[no-untyped-def]
 
 @named_njit(**INNER)
 def _ring(rho, z, dd, numbers, frames):  # type: ignore[no-untyped-def]
-    """See `_core`."""
+    """Return the place of eight beads in the chart of the ring, as `_core`; dd: d^2."""
     w = _largest(root(1.0 - dd), spread(_LEAST_W))
     over_d, per_w = 1.0 / root(dd), 1.0 / w
     y = z * over_d
@@ -216,7 +229,10 @@ def _ring(rho, z, dd, numbers, frames):  # type: ignore[no-untyped-def]
 
 @named_njit(**INNER)
 def _outside(rho, z, dd, tau, numbers, frames):  # type: ignore[no-untyped-def]
-    """See `_core`."""
+    """Return the place of eight beads in the outer chart or the triangle, as `_core`.
+
+    dd: d^2; tau: tan(theta_m/2), theta_m the half angle of the cone.
+    """
     w = _largest(root(dd - 1.0), spread(_LEAST_W))
     below_p, below_q = dd + rho - z * w, dd + rho + z * w
     shared = -1.0 / (below_p * below_q)
@@ -254,9 +270,10 @@ def _outside(rho, z, dd, tau, numbers, frames):  # type: ignore[no-untyped-def]
 
 @named_njit(**INNER)
 def _interval(a, numbers, first, apart, count):  # type: ignore[no-untyped-def]
-    """Number of the interval that holds `a`, and the part of its width below it.
+    """Return the number of the interval that contains `a`, and the part of its width below `a`.
 
-    The begin of interval k and 1/width are in `numbers` from first + k apart on.
+    a: eight numbers. There are `count` intervals, one after the other; the begin of interval k and
+    1/width are in `numbers` at first + k apart and at the entry after that.
     """
     number, begin, per_width = spread(0.0), spread(numbers[first]), spread(numbers[first + 1])
     for k in range(1, count):
@@ -270,26 +287,35 @@ def _interval(a, numbers, first, apart, count):  # type: ignore[no-untyped-def]
 
 @named_njit(**INNER)
 def _largest(a, b):  # type: ignore[no-untyped-def]
+    """Return the larger of each of eight pairs of numbers."""
     return chosen(below(a, b), b, a)
 
 
 @named_njit(**INNER)
 def _smallest(a, b):  # type: ignore[no-untyped-def]
+    """Return the smaller of each of eight pairs of numbers."""
     return chosen(below(b, a), b, a)
 
 
 @named_njit(**INNER)
 def _size(a):  # type: ignore[no-untyped-def]
+    """Return the magnitudes of eight numbers."""
     return _largest(a, -a)
 
 
 @named_njit(**INNER)
 def _put_chart(chart, which, gradient, found, digits):  # type: ignore[no-untyped-def]
-    """Block, coordinates and digits of eight positions, where the words `which` are set."""
+    """Store the place of eight beads in a chart where the words `which` are set, else keep it.
+
+    chart: place as from `_core`. gradient: whether its derivatives are stored too. found: gets
+    block, coordinates and derivatives. digits: gets the binary digits of the parts of the block's
+    width, by which `_piece_of` finds the piece.
+    """
     for k in range(3):
         at = _BLOCK + k * LANES
         store(found, at, chosen(which, chart[k], lanes(found, at)))
     for k in range(2):
+        # the last 52 bits of a number from 1 to 2 are the digits of what is above 1
         within = as_words(1.0 + _largest(spread(0.0), _smallest(chart[3 + k], spread(_BELOW_1))))
         before = as_lanes(words(digits, k * LANES))
         now = as_lanes(within & _FRACTION)
@@ -302,9 +328,10 @@ def _put_chart(chart, which, gradient, found, digits):  # type: ignore[no-untype
 
 @named_njit(**INNER)
 def _put_charts(x1, x2, z, data, gradient, found, digits):  # type: ignore[no-untyped-def]
-    """What follows from eight positions, in radii, to `found`, and digits of their parts of blocks.
+    """Find the chart of each of eight beads and store its place there to `found` and `digits`.
 
-    Block and coordinates; beyond the range the block is -1.
+    x1, x2, z: positions in radii. data: of the kernel. gradient: whether derivatives are stored.
+    The block of a bead beyond the table's range is -1.
     """
     numbers, shape, frames = data.numbers, begin_of(data, 0), begin_of(data, 1)
     tau, reach = numbers[shape + 1], numbers[shape + 2]
@@ -328,9 +355,10 @@ def _put_charts(x1, x2, z, data, gradient, found, digits):  # type: ignore[no-un
 
 @named_njit(**INNER)
 def _piece_of(block, along_x, along_y, integers, roots, index):  # type: ignore[no-untyped-def]
-    """Number of the piece in a block, or `NO_PIECE`.
+    """Return the number of the piece that contains a position in a block, or `NO_PIECE`.
 
-    along_x, along_y: digits of the part of the block's width. roots, index: begins in `integers`.
+    along_x, along_y: digits of the parts of the block's width below the position. roots, index:
+    where both arrays of a table begin in `integers`, the data as 32-bit integers.
 
     An index entry is the number of a piece, or -2 - (64 start + 8 bits_x + bits_y) for a page: a
     grid of 2^bits_x by 2^bits_y entries over the same rectangle. So the digits lead to the piece.
@@ -350,10 +378,12 @@ def _piece_of(block, along_x, along_y, integers, roots, index):  # type: ignore[
 
 @named_njit(**INNER)
 def _find(position, at, many, data, gradient, pieces, size, first, there, found):  # type: ignore[no-untyped-def]
-    """Begins of the pieces of up to eight beads, from `at` on, to `first`; coordinates to `found`.
+    """Find the pieces of up to eight beads and the beads' coordinates on them.
 
-    pieces: begin of the first piece; size: of a piece. there: filled with 0 where there is no
-    piece, else 1. Returns whether all of eight have one.
+    position: (n, 3) m; at, many: first bead and number of beads. data: of the kernel. gradient:
+    whether derivatives of the coordinates are needed. pieces: begin of the first piece in the data;
+    size: numbers of a piece. first: gets where the piece of each bead begins; there: gets 1, or 0
+    where there is no piece; found: gets the coordinates. Returns whether all of eight have a piece.
     """
     numbers, integers = data.numbers, data.numbers.view(np.int32)
     roots, index, heads = 2 * begin_of(data, 2), 2 * begin_of(data, 3), uint64(begin_of(data, 4))
@@ -367,7 +397,7 @@ def _find(position, at, many, data, gradient, pieces, size, first, there, found)
         if block >= 0:
             piece = _piece_of(block, digits[i], digits[LANES + i], integers, roots, index)
         there[i] = int64(piece != NO_PIECE)
-        piece = max(piece, 0)
+        piece = max(piece, 0)  # without a piece the first one is read, and left out by `there`
         first[i] = pieces + size * piece
         whole = whole and there[i] != 0
         head = heads + uint64(HEAD * piece)
@@ -384,7 +414,10 @@ def _find(position, at, many, data, gradient, pieces, size, first, there, found)
 
 @cached_njit(error_model="numpy", nogil=True)
 def find(positions, data, piece_out):  # type: ignore[no-untyped-def]
-    """Numbers of the pieces (n,) of positions (n, 3), or `NO_PIECE`, in a table of these data."""
+    """Fill `piece_out` (n,) with the numbers of the pieces of positions (n, 3) m, or `NO_PIECE`.
+
+    data: of the kernel of the table.
+    """
     first, there = on_stack(LANES, np.int64), on_stack(LANES, np.int64)
     found = on_stack(_FOUND, np.float64)
     n = positions.shape[0]
@@ -397,12 +430,19 @@ def find(positions, data, piece_out):  # type: ignore[no-untyped-def]
 
 @named_njit(**INNER)
 def _function(values, at, gradient, found):  # type: ignore[no-untyped-def]
-    """A function of rho and z, and its derivatives over x1, x2 and z, of eight beads."""
+    """Return a function of rho and z, and its derivatives over x1, x2 and z, for eight beads.
+
+    values: as `read` leaves them, the function's from `at` on: itself, and its derivatives over the
+    coordinates u, v on the piece. found: with the derivatives of these over rho and z in radii.
+    Without `gradient` the value stands in for the derivatives, which are not read: compiled code
+    always returns four.
+    """
     value = lanes(values, at)
     if not gradient:
         return value, value, value, value
     by_u, by_v = lanes(values, at + LANES), lanes(values, at + 2 * LANES)
     rho = lanes(found, _RHO)
+    # 0 on the axis, where rho = 0 has no bit set and 1/rho is infinite
     over_rho = chosen(as_words(rho), 1.0 / rho, spread(0.0))
     radial = over_rho * (by_u * lanes(found, _U_RHO) + by_v * lanes(found, _V_RHO))
     along = by_u * lanes(found, _U_Z) + by_v * lanes(found, _V_Z)
@@ -411,7 +451,9 @@ def _function(values, at, gradient, found):  # type: ignore[no-untyped-def]
 
 @functools.cache
 def kernel(*, gradient: bool, moment: bool) -> Kernel:
-    """The kernel that reads a table, compiled without the parts that a scene does not need.
+    """Return the kernel that reads a table, compiled without the parts that a scene does not need.
+
+    gradient, moment: whether it adds gradients, and the moment (3.25).
 
     Its data are the radius (m), the tangent of half of the cone's half angle, the range (radii),
     n_m P/c (N), which is the unit of force, and the bound on the error of the force (N);

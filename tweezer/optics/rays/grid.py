@@ -40,7 +40,10 @@ class Tiles(NamedTuple):
 
 
 def tiles(directions: Array, strengths: Array) -> Tiles:
-    """`directions` (3, n) and `strengths` (n,) in tiles: strips along x, cut along y."""
+    """Return rays in tiles of neighbours: they are sorted into strips along x, cut along y.
+
+    directions: (3, n) unit vectors; strengths: (n,) n_m P_i/c of each ray, N.
+    """
     count = strengths.size
     strips = max(1, round(math.sqrt(count / TILE)))
     by_x = np.argsort(directions[0], kind="stable")
@@ -64,7 +67,10 @@ def tiles(directions: Array, strengths: Array) -> Tiles:
 
 @cached_njit(error_model="numpy", nogil=True)
 def near(tiles, tile, p1, p2, p3, radius):  # type: ignore[no-untyped-def]
-    """Whether a ray of a tile may hit a bead at p."""
+    """Return whether a ray of the tile of that number may hit a bead at p = (p1, p2, p3), m.
+
+    radius: of the bead, m.
+    """
     squared = p1 * p1 + p2 * p2 + p3 * p3
     if squared <= radius * radius:
         return True
@@ -78,13 +84,13 @@ def near(tiles, tile, p1, p2, p3, radius):  # type: ignore[no-untyped-def]
 
 
 def grid_data(tiles: Tiles, sphere: Sphere, jones: Any) -> Data:
-    """The data of `grid_kernel`. jones: Jones vector (4,), as (re, im) pairs."""
+    """Return the data of `grid_kernel`. jones: Jones vector (4,), as (re, im) pairs."""
     return packed(*sphere, jones, *tiles)
 
 
 @functools.cache
 def grid_kernel(rays: Rays) -> Kernel:
-    """The sum over the rays of the thesis's grid (3.26). Its error is not known: NaN."""
+    """Return the kernel that sums over the rays of the thesis's grid (3.26); its error is NaN."""
     add_up = ray_sum(rays, by_grid=True, in_rings=False)
     gradient, moment = rays.gradient, rays.moment
 

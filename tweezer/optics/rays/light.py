@@ -31,9 +31,9 @@ class RayLight(Light):
     """The light of one beam as rays, and the sphere they fall on."""
 
     index_ratio: float
-    """n_m/n_P"""
+    """n_m/n_P: refractive index of the medium over that of the bead"""
     polarisation: str
-    """of the rays: unpolarised light is as circular to them"""
+    """of the rays; "circular" for unpolarised light too, whose rays exert the same force"""
     jones: Array
     """(4,) Jones vector as (re, im) pairs; zeros where the light is not linear"""
     torque: bool
@@ -41,7 +41,7 @@ class RayLight(Light):
 
     @property
     def sphere(self) -> Sphere:
-        """The bead, as the kernels read it."""
+        """Radius and relative index of the bead, in the form that the kernels read."""
         return Sphere(self.radius, self.index_ratio)
 
     @property
@@ -69,12 +69,12 @@ class RayLight(Light):
         return number_of_region, packed(self.radius, self.cone.half_angle)
 
     def rays(self, *, gradient: bool) -> Rays:
-        """The kind of rays that a kernel is compiled for."""
+        """Return the settings that a kernel is compiled for; gradient: whether to add gradients."""
         return Rays(self.polarisation, self.index_ratio > 1, gradient, self.torque)
 
 
 def light_on_bead(scene: Scene) -> RayLight:
-    """The light of the one beam of `scene` as rays, on its bead."""
+    """Return the light of the one beam of `scene` as rays, and its bead."""
     n_m = scene.medium.refractive_index
     polarisation = scene.beam.polarisation
     return RayLight(

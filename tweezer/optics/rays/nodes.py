@@ -1,6 +1,14 @@
 """The rays of a rule, with their weights; and the last coefficients of what they sum.
 
-The method is described in `tweezer.optics.rays.panels`.
+The method is described in `tweezer.optics.rays.panels`. A ring is all rays at one angle g to a
+pole, the line from the focus to the bead or its continuation; its node is x = cos(g). The azimuth
+about that line is counted from the side of the beam's axis; q = sin^2(half the azimuth), from 0 to
+1.
+
+The functions share their arguments. place: `panels.Place`, the position of the bead. rule:
+`rule.Rule`, the tables of nodes and the light. rules: table of the rules of this position, (rules,
+columns), as `panels` names them; k: number of one. rays: workspace, see `scratch`, whose rows are
+named below.
 """
 
 from __future__ import annotations
@@ -29,7 +37,8 @@ from tweezer.optics.rays.rule import CIRCLE, LEVELS, MOST_RAYS, SHORT, TAIL
 #: Weights of the last coefficients in the tail: the earlier ones matter only if the last two are
 #: small by chance
 _NEAR = (1.0, 1.0, 0.05, 0.05)
-#: Lower bound on the width of a ring in cos(theta), in units of sin^2(theta_m/2)
+#: Lower bound on the width of a ring in cos(theta), in units of sin^2(theta_m/2), theta_m the half
+#: angle of the cone
 _NO_WIDTH = 1e-300
 #: Taylor coefficients of sin(x)/x in x^2, highest first
 _SINE = tuple((-1.0) ** k / math.factorial(2 * k + 1) for k in reversed(range(11)))
@@ -47,9 +56,14 @@ ARCSINE = tuple(
 )
 _ARCSINE_HIGH, _ARCSINE_LOW = ARCSINE[:11], ARCSINE[11:]
 
-# rows of the workspace for the rays of one rule, and for its nodes
+# rows of the workspace, one number for each ray of a rule: direction, weight (n_m P/c of the ray,
+# N), size of its force (N), efficiencies and their derivatives, sin^2 of the angle of incidence
 U1, U2, U3, WEIGHT, FORCE, Q_OF, DQ_OF, G_OF, DG_OF, S_OF = range(10)
+# and for each ring or node: cos(g), sin(g), weight of the ring, half the azimuth at
+# which an arc ends, 1 - cos(theta) at q = 0 and its change with q in sin^2(theta_m/2), q, argument
+# of the light's series, two rows to work with, sums over x for each azimuth
 _X, _S, _W, _SHARE, _NEAREST, _PER_Q, _Q, _Y, _WORK_1, _WORK_2, _AROUND = range(10, 21)
+# integrals of the light over each ring, times 1, q and q^2
 _ONE, _FIRST, _SECOND = range(21, 24)
 _ROWS = 24
 #: Padding of rows. Rows a power of two apart would compete for the same lines of the cache
@@ -58,16 +72,17 @@ _APART_IN_CACHE = 72
 
 @cached_njit()
 def scratch():  # type: ignore[no-untyped-def]
-    """Workspace for the largest rule: direction, weight, force of each ray, and more."""
+    """Return the workspace for the largest rule: a row for each quantity named above."""
     return np.empty((_ROWS, 2 * MOST_RAYS + _APART_IN_CACHE))
 
 
 @cached_njit(error_model="numpy", nogil=True, inner=True)
 def rays_of(place, rule, rules, k, full, rays, gradient):  # type: ignore[no-untyped-def]
-    """Fill `rays` with those of rule k, in the frame with the bead at (lateral, 0, axial).
+    """Fill `rays` with the rays of rule k, in the frame with the bead at (lateral, 0, axial).
 
-    By symmetry those with u2 >= 0 have twice the weight. Rings have as few azimuths as suffice
-    (`_gathered`). full: use the full series of the light. Returns the number of rays.
+    By symmetry there are only those with u2 >= 0, with twice the weight. A ring is replaced by two
+    rays, for gradients three (`_gathered`). full: use the full series of the light, for positions
+    with little light; gradient: whether gradients are summed. Returns the number of rays.
     """
     if rules[k, KIND] == DISC:
         return _disc_rays(rule, rules, k, rays)
@@ -78,7 +93,11 @@ def rays_of(place, rule, rules, k, full, rays, gradient):  # type: ignore[no-unt
 
 @cached_njit(error_model="numpy", nogil=True, inner=True)
 def rays_of_linear(place, rule, rules, k, full, rays, gradient):  # type: ignore[no-untyped-def]  # noqa: ARG001
-    """The same for linearly polarised light: rays at all azimuths, on both sides."""
+    """Fill `rays` with the rays of rule k for linearly polarised light; returns their number.
+
+    There is one at every azimuth of every ring, on both sides of the plane u2 = 0: the force of a
+    ray depends on its azimuth here. Arguments as of `rays_of`.
+    """
     if rules[k, KIND] == DISC:
         count = _disc_rays(rule, rules, k, rays)
     else:
@@ -98,6 +117,10 @@ def rays_of_linear(place, rule, rules, k, full, rays, gradient):  # type: ignore
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
 def _disc_rays(rule, rules, k, rays):  # type: ignore[no-untyped-def]
+    """Fill `rays` with those of a disc: nodes in cos(theta) times azimuths about the axis.
+
+    They are on one side of the plane u2 = 0, with twice the weight. Returns their number.
+    """
     level, m = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
     n = LEVELS[level]
     u1, u2, u3, weight, x, s = rays[U1], rays[U2], rays[U3], rays[WEIGHT], rays[_X], rays[_S]
@@ -123,9 +146,12 @@ def _disc_rays(rule, rules, k, rays):  # type: ignore[no-untyped-def]
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
 def _rings(place, rule, rules, k, rays):  # type: ignore[no-untyped-def]
-    """The rings of rule k: angle to the line, weight, place in the light and part in the cone.
+    """Fill rows of `rays` with the rings of rule k, one number for each ring.
 
-    Rows are filled up to a multiple of `LANES`, with rings without weight.
+    They are cos and sin of the angle g to the pole, sin^2 of incidence, the weight of the
+    integral over x = cos(g), where the ring is in the light (1 - cos(theta) as a function of q),
+    and for arcs where they end. Rows are filled up to a multiple of `LANES`, with
+    rings without weight.
     """
     level, pair = int(rules[k, LEVEL]), int(rules[k, PAIR])
     pole, begin, span = rules[k, POLE], rules[k, BEGIN], rules[k, SPAN]
@@ -135,7 +161,7 @@ def _rings(place, rule, rules, k, rays):  # type: ignore[no-untyped-def]
     x, s, w, share, sine_squared = rays[_X], rays[_S], rays[_W], rays[_SHARE], rays[S_OF]
     nodes = rule.nodes[level, pair]
     fraction, rest, weight = nodes[0], nodes[1], nodes[2]
-    if place.crowded:
+    if place.crowded:  # nodes even in cos(alpha) or x, else in t, see `panels`
         end = begin + span
         for i in range(n):
             near = end - span * rest[i]
@@ -188,9 +214,9 @@ def _rings(place, rule, rules, k, rays):  # type: ignore[no-untyped-def]
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
 def _ring_nodes(rule, rules, k, series, rays):  # type: ignore[no-untyped-def]
-    """Nodes of rings or arcs: q = sin^2(half the azimuth about the line to the bead), and weight.
+    """Fill rows of `rays` with q and weight of all nodes of rings or arcs; returns their number.
 
-    The azimuth is counted from the side of the beam's axis. Returns the number of nodes.
+    The weight includes the light there. series: of the light, `Rule.series` or `Rule.full`.
     """
     n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
     if rules[k, KIND] == ARCS:
@@ -205,14 +231,15 @@ def _ring_nodes(rule, rules, k, series, rays):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract"}, inner=True)
 def _moments(azimuth, cut, m, n, series, rays):  # type: ignore[no-untyped-def]
-    """Integrals over the azimuth of each ring of the light times 1, q and q^2, with its weight.
+    """Fill rows of `rays` with integrals of the light over each ring, times 1, q and q^2.
 
-    q = sin^2(half the azimuth about the line to the bead), from the side of the beam's axis.
+    azimuth: `Rule.azimuth` for m azimuths. cut: whether the rings are arcs, cut by the rim of the
+    cone. n: number of rings. series: of the light. The ring's weight is included.
     """
     nearest, per_q, share, w = rays[_NEAREST], rays[_PER_Q], rays[_SHARE], rays[_W]
     one_of, first_of, second_of = rays[_ONE], rays[_FIRST], rays[_SECOND]
     horner = series.size == SHORT
-    top = 0
+    top = 0  # first power that is not zero: the series is padded with zeros before it
     while horner and top < SHORT - 1 and series[top] == 0.0:
         top += 1
     for i in range(0, n, LANES):
@@ -250,7 +277,7 @@ def _moments(azimuth, cut, m, n, series, rays):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract"}, inner=True)
 def _sine_squared(angle):  # type: ignore[no-untyped-def]
-    """sin^2 of lanes in [0, pi/2] to rounding, by the Taylor series of the sine."""
+    """Return sin^2 of eight angles in [0, pi/2], rad, to rounding, by the Taylor series of sin."""
     y = angle * angle
     value = spread(_SINE[0])
     for k in range(1, len(_SINE)):
@@ -260,7 +287,7 @@ def _sine_squared(angle):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract"}, inner=True)
 def _chebyshev(series, y):  # type: ignore[no-untyped-def]
-    """Clenshaw's sum of a Chebyshev series at lanes."""
+    """Return a Chebyshev series at eight numbers y in [-1, 1], by Clenshaw's recurrence."""
     value = last = spread(0.0)
     twice = y + y
     for k in range(series.size - 1, 0, -1):
@@ -272,7 +299,11 @@ def _chebyshev(series, y):  # type: ignore[no-untyped-def]
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
 def _arc_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
-    """q, weight, and argument of the light's series at all nodes of arcs."""
+    """Fill rows of `rays` with q, weight and argument of the light's series at all nodes of arcs.
+
+    azimuth: `Rule.azimuth` for m azimuths; n: number of rings, each with m nodes. The light's power
+    is not yet in the weight.
+    """
     q, y, weight, w = rays[_Q], rays[_Y], rays[WEIGHT], rays[_W]
     nearest, per_q, share = rays[_NEAREST], rays[_PER_Q], rays[_SHARE]
     for j in range(m):
@@ -293,7 +324,11 @@ def _arc_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
 def _circle_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
-    """The same for whole rings."""
+    """Fill rows of `rays` with q, weight and argument of the light's series for whole rings.
+
+    azimuth: `Rule.azimuth` for m azimuths; n: number of rings, each with m + 1 nodes from q = 0 to
+    1. The light's power is not yet in the weight.
+    """
     q, y, weight, w = rays[_Q], rays[_Y], rays[WEIGHT], rays[_W]
     nearest, per_q = rays[_NEAREST], rays[_PER_Q]
     for j in range(m + 1):
@@ -309,11 +344,12 @@ def _circle_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
 def _gathered(place, rule, rules, k, series, gradient, rays):  # type: ignore[no-untyped-def]
-    """Two or three rays for each ring with the same force as all of it; returns their number.
+    """Fill `rays` with two or three rays for each ring that exert the force of all of it.
 
     All rays of a ring have the same efficiencies, so their force is linear in u and its gradient
     quadratic, and u is linear in q. So the rays with q = 0 and q = 1, for the gradient also
-    q = 1/2, replace the ring if their weights have the same sums of 1, q (and q^2).
+    q = 1/2, replace the ring if their weights have the same sums of 1, q (and q^2). series: of the
+    light. gradient: whether gradients are summed. Returns the number of rays.
     """
     n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
     _moments(rule.azimuth[m], rules[k, KIND] == ARCS, m, n, series, rays)
@@ -340,7 +376,11 @@ def _gathered(place, rule, rules, k, series, gradient, rays):  # type: ignore[no
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
 def _aim(place, pole, at, n, cosine, sine, rays):  # type: ignore[no-untyped-def]
-    """Directions of the n rays from number `at` on, at one azimuth about the pole."""
+    """Fill in the directions of n rays, one on each ring, at one azimuth about the pole.
+
+    pole: 1 for the line from the focus to the bead, -1 for its continuation. at: number of the
+    first ray. cosine, sine: of the azimuth.
+    """
     u1, u2, u3, x, s = rays[U1], rays[U2], rays[U3], rays[_X], rays[_S]
     cos_tilt, sin_tilt = place.cos_tilt, place.sin_tilt
     for i in range(n):
@@ -354,7 +394,7 @@ def _aim(place, pole, at, n, cosine, sine, rays):  # type: ignore[no-untyped-def
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
 def _spread_out(place, rules, k, rays):  # type: ignore[no-untyped-def]
-    """A ray for each node of rings or arcs."""
+    """Fill in the directions of one ray for each node of rings or arcs, on the side u2 >= 0."""
     n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
     along = rules[k, POLE]
     x, s, q = rays[_X], rays[_S], rays[_Q]
@@ -369,7 +409,10 @@ def _spread_out(place, rules, k, rays):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _exponential(t):  # type: ignore[no-untyped-def]
-    """exp for |t| up to 3.1 to rounding, by the Taylor series of exp(t/8), which vectorises."""
+    """Return exp(t) for |t| up to 3.1 to rounding, by the Taylor series of exp(t/8), to the 8th.
+
+    Unlike `math.exp`, loops over it are vectorised.
+    """
     y = 0.125 * t
     value = 0.0
     for coefficient in _EXP:
@@ -381,7 +424,7 @@ def _exponential(t):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _arcsine_of_root(q):  # type: ignore[no-untyped-def]
-    """arcsin(sqrt(q)) on [0, 1] to rounding; it vectorises."""
+    """Return arcsin(sqrt(q)) for q in [0, 1] to rounding, in rad; loops over it are vectorised."""
     small = min(q, 1.0 - q)
     # two halves: a longer loop is not unrolled, and the loop around it then not vectorised
     high = low = 0.0
@@ -395,7 +438,7 @@ def _arcsine_of_root(q):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _sine(angle):  # type: ignore[no-untyped-def]
-    """sin on [0, pi/2] to rounding, by its Taylor series, which vectorises."""
+    """Return sin of an angle in [0, pi/2], rad, to rounding; loops over it are vectorised."""
     y = angle * angle
     value = 0.0
     for coefficient in _SINE:
@@ -407,7 +450,11 @@ def _sine(angle):  # type: ignore[no-untyped-def]
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
 def _times_radiance(series, y, weight, rays, count):  # type: ignore[no-untyped-def]
-    """Multiply the weights by the light's power per solid angle: Horner's or Clenshaw's sum."""
+    """Multiply the first `count` weights by n_m/c times the light's power per solid angle, N/sr.
+
+    series: of the light, as in `Rule.series`: powers for Horner's sum if there are SHORT of them,
+    else Chebyshev coefficients for Clenshaw's. y: (count,) its argument at each node.
+    """
     if series.size == SHORT:
         # its length is known to the compiler: all in registers
         for i in range(count):
@@ -435,9 +482,12 @@ def _times_radiance(series, y, weight, rays, count):  # type: ignore[no-untyped-
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
 def tails(rule, rules, k, rays, linear, gradient):  # type: ignore[no-untyped-def]
-    """Largest of the last coefficients of the forces of rule k along x and in the azimuth, N.
+    """Return the largest of the last coefficients of rule k, along x and in the azimuth, N.
 
-    For rings gathered into a few rays that in the azimuth is 0.
+    The force of its rays, in the row FORCE, is expanded along x in Legendre polynomials and in the
+    azimuth in these or in cosines; small last coefficients show that the nodes suffice. linear:
+    whether the light is linearly polarised. gradient: whether gradients are summed. For rings
+    gathered into a few rays the second one is 0.
     """
     level, m = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
     n = LEVELS[level]

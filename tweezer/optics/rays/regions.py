@@ -15,10 +15,12 @@ _LINES = 5
 
 @cached_njit(error_model="numpy", nogil=True)
 def number_of_region(pose, data, wrench):  # type: ignore[no-untyped-def]
-    """Add the number of the region that a bead is in: 0 with the focus inside the bead.
+    """Add to `wrench.error` the number of the region of each bead.
 
-    Outside it counts how many of the lines +-tau and +-1/tau are below P, and how many below Q. Its
-    data are the radius (m) and the half angle of the cone of light (rad).
+    It is 0 with the focus inside the bead. Outside, the number is 1 plus five times the count of
+    lines +-tau, +-1/tau that are not above P, plus the count that are not above Q: coordinates and
+    tau as in `charts`. It is a kernel, whose data are the radius (m) and the half angle of the cone
+    of light (rad).
     """
     radius, half_angle = number(data, 0), number(data, 1)
     tau = math.tan(0.5 * half_angle)

@@ -56,6 +56,7 @@ class Rule(NamedTuple):
     strength: float
     """n_m P/c of all rays, N"""
     tolerance: float
+    """relative, of the force"""
     nodes: Array
     """(level, pair of orders, 3, node): position from a panel's first end, 0 to 1; from its other
     end, without cancellation; and weight"""
@@ -77,10 +78,10 @@ class Rule(NamedTuple):
 
 
 def rule(half_angle: float, series: Array, strength: float, tolerance: float) -> Rule:
-    """The rule for a cone of light.
+    """Return the tables of nodes for a cone of light.
 
-    half_angle: rad. series: as `Rule.series`. strength: n_m P/c, N. tolerance: relative, of
-    the force.
+    half_angle: of the cone, rad. series: Chebyshev coefficients of n_m/c times the power per solid
+    angle, N/sr, as in `Rule.series`. strength: n_m P/c, N. tolerance: relative, of the force.
     """
     nodes, tail = _panel_tables()
     full = _summed_fast(series)
@@ -104,13 +105,20 @@ def rule(half_angle: float, series: Array, strength: float, tolerance: float) ->
 
 
 def _needed(series: Array, tolerance: float) -> Array:
-    """The series without last coefficients that sum to less than `tolerance` of the whole."""
+    """Return a series without the last coefficients, whose sizes sum to less than `tolerance`.
+
+    tolerance: as a part of the sum of all sizes.
+    """
     left = np.cumsum(np.abs(series[::-1]))[::-1]
     return np.ascontiguousarray(series[: max(1, int((left > tolerance * left[0]).sum()))])
 
 
 def _summed_fast(series: Array) -> Array:
-    """The series as SHORT powers, highest first, unless that loses digits."""
+    """Return a Chebyshev series in the form that `Rule.series` has.
+
+    These are SHORT powers, highest first; or the Chebyshev coefficients, more than SHORT of them,
+    if there are so many or if powers lose digits.
+    """
     if series.size > SHORT:
         return series
     powers = np.pad(chebyshev.cheb2poly(series), (0, SHORT - series.size))[::-1]
@@ -123,15 +131,16 @@ def _summed_fast(series: Array) -> Array:
 
 
 def _degree(series: Array, tolerance: float) -> float:
-    """Degree of the light in the azimuth's cosine, on rings as wide as the cone."""
+    """Return the degree of the light in the cosine of the azimuth, on rings as wide as the cone."""
     return len(_needed(series, tolerance)) - 1
 
 
 def _missed(series: Array) -> Array:
-    """Error of the azimuth, by a ring's width in cos(theta) and the number of azimuths.
+    """Return `Rule.missed`: the error of sums over the azimuth of a ring instead of an integral.
 
-    It is what the rules do not resolve of the light times sin^4 of half the azimuth, the highest
-    moment that forces and gradients need (`tweezer.optics.rays.nodes`).
+    It is given by the ring's width in cos(theta) and the number of azimuths: the part that the
+    rules do not resolve of the light times sin^4 of half the azimuth, the highest moment that
+    forces and gradients need (`tweezer.optics.rays.nodes`).
     """
     half = (np.arange(WIDTHS) + 1) / WIDTHS  # of a ring's width, in units of half the cone's
     tried = np.array(AZIMUTHS_TRIED)
@@ -155,7 +164,12 @@ def _missed(series: Array) -> Array:
 
 
 def _left(light: NDArray[np.floating[Any]], cosine: Array, transform: Array, first: Array) -> Array:
-    """Largest sum over coefficients from `first` on, relative to the largest light of each ring."""
+    """Return the part of the light that coefficients from number `first` on make up, at most.
+
+    It is the sum of their sizes over the mean light of a ring, for the worst of several rings.
+    light: (..., rings, nodes) at nodes of the azimuth; it is multiplied by sin^4 of half the
+    azimuth. cosine: of the azimuth there. transform: matrix from nodes to coefficients.
+    """
     values = light * ((1 - cosine) / 2) ** 2
     coefficients = np.abs(values @ transform)
     after = np.cumsum(coefficients[..., ::-1], axis=-1)[..., ::-1]
@@ -166,7 +180,11 @@ def _left(light: NDArray[np.floating[Any]], cosine: Array, transform: Array, fir
 
 @functools.cache
 def _panel_tables() -> tuple[Array, Array]:
-    """Gauss nodes after substitutions with zeros of the given orders at the ends."""
+    """Return `Rule.nodes` and `Rule.tail`: Gauss nodes on a panel from 0 to 1, for each level.
+
+    The nodes are those after a substitution whose slope vanishes at the ends: for each pair of
+    ORDERS of the zeros.
+    """
     nodes = np.zeros((len(LEVELS), len(ORDERS) ** 2, 3, LEVELS[-1]))
     tail = np.zeros((len(LEVELS), TAIL, LEVELS[-1]))
     x, w = (np.concatenate(each) for each in zip(*map(_gauss, LEVELS), strict=True))
@@ -185,7 +203,10 @@ def _panel_tables() -> tuple[Array, Array]:
 
 @functools.cache
 def _substitution(low: int, high: int) -> tuple[Polynomial, Polynomial]:
-    """The polynomial from 0 to 1 whose slope has zeros of order low - 1 and high - 1."""
+    """Return the polynomial from 0 to 1 whose slope has zeros of order low - 1 and high - 1.
+
+    They are at 0 and at 1. The slope is returned too.
+    """
     z = Polynomial([0, 1])
     slope = z ** (low - 1) * (1 - z) ** (high - 1)
     total = slope.integ()
@@ -193,18 +214,23 @@ def _substitution(low: int, high: int) -> tuple[Polynomial, Polynomial]:
 
 
 def _legendre_tails(x: Array) -> Array:
-    """Last coefficients resolved by the Gauss nodes x, for a weighted value of 1, (TAIL, n)."""
+    """Return the matrix from values at n Gauss nodes x to last Legendre coefficients, (TAIL, n).
+
+    The values are already multiplied by their weights.
+    """
     degrees = np.maximum(len(x) - 1 - np.arange(TAIL), 0)
     return np.asarray((2 * degrees + 1)[:, None] * legendre.legvander(x, len(x) - 1).T[degrees])
 
 
 @functools.cache
 def _gauss(count: int) -> tuple[Array, Array]:
+    """Return the nodes on [-1, 1] and the weights of the Gauss-Legendre rule of `count` nodes."""
     return legendre.leggauss(count)
 
 
 @functools.cache
 def _azimuth_tables() -> Array:
+    """Return `Rule.azimuth`: nodes, weights and last coefficients for each number of azimuths."""
     # padded with nodes without weight, as they are taken in pairs
     table = np.zeros((MOST_AZIMUTHS + 1, 5 + 2 * TAIL, MOST_AZIMUTHS + 2))
     for m in range(1, MOST_AZIMUTHS + 1):

@@ -64,6 +64,7 @@ _NEAREST = 1e-6
 #: Positions in one call of the quadrature
 _CHUNK = 512
 
+#: Chebyshev nodes on a piece, from 1 to -1
 _NODES = np.cos(np.pi * (np.arange(ORDER) + 0.5) / ORDER)
 #: Matrix from values at the nodes to Chebyshev coefficients
 _TO_SERIES = np.linalg.inv(chebyshev.chebvander(_NODES, ORDER - 1))
@@ -75,20 +76,23 @@ _TO_POWERS = np.array(
 
 @dataclass(frozen=True)
 class Made:
-    """A table as stored, in radii and n_m P/c."""
+    """A force table as stored: polynomials on pieces of the meridional plane.
+
+    Lengths are in radii of the bead, forces in n_m P/c (refractive index, power, speed of light).
+    """
 
     half_angle: float
     """rad, of the cone of light"""
     reach: float
     """range, distance from the focus"""
     frames: Array
-    """(blocks, 4): x from, 1/width, y from, 1/width"""
+    """(blocks, 4): x from, 1/width, y from, 1/width of each block of `charts.Blocks`"""
     roots: NDArray[np.int32]
     """(blocks,) first entry of each block's index"""
     index: NDArray[np.int32]
     """pages of entries, see `charts`"""
     heads: Array
-    """(n, HEAD), see `charts`"""
+    """(n, HEAD) centre and 1/half-width of each piece along x, then along y"""
     pieces: Array
     """(n, components, ORDER powers of x, ORDER powers of y): F_rho/rho, F_z, M_phi/rho"""
     certified: float
@@ -109,13 +113,14 @@ class Made:
         return len(self.pieces)
 
     def kernel(self, *, gradient: bool) -> Kernel:
-        """Kernel that reads it."""
+        """Return the kernel that reads this table; gradient: whether it adds gradients too."""
         return charts.kernel(gradient=gradient, moment=self.moment)
 
     def data(self, unit: float, strength: float, beyond: Part) -> Data:
-        """Data of the kernel for a bead of radius `unit`, m, in light of `strength` n_m P/c, N.
+        """Return the data of the kernel.
 
-        beyond: the force outside the range.
+        unit: radius of the bead, m. strength: n_m P/c of the light, N. beyond: the force outside
+        the table's range.
         """
         shape = np.array(
             [unit, math.tan(self.half_angle / 2), self.reach, strength, self.certified * strength]
@@ -126,16 +131,24 @@ class Made:
 
 @dataclass(frozen=True)
 class _Task:
-    """The function, components and domain of a table."""
+    """The function that a table interpolates, and the table's domain."""
 
     evaluate: Evaluate
+    """returns the force at positions (n, 3)"""
     moment: bool
+    """whether the moment (3.25) is tabled"""
     parts: Blocks
+    """rectangles of the charts' coordinates"""
     half_angle: float
+    """of the cone of light, rad"""
     reach: float
+    """largest distance from the focus"""
 
     def exact(self, rho: Array, z: Array) -> tuple[Array, float]:
-        """F_rho, F_z (and M_phi) at (rho, z), and the largest estimated error."""
+        """Compute F_rho, F_z (and M_phi) at positions (rho, z), (n,) each, on all processors.
+
+        Returns them as (n, 2 or 3), and the largest estimated error.
+        """
         positions = np.stack([rho, np.zeros_like(rho), z], axis=1)
         chunks = [positions[i : i + _CHUNK] for i in range(0, max(len(positions), 1), _CHUNK)]
         with ThreadPoolExecutor(_processors()) as pool:
@@ -156,7 +169,7 @@ class _Draft:
     cells: Integers
     """(n, 5): block, number of bisections along x and y, index along x and y from 0"""
     head: Array
-    """(n, 4) centre, 1/half-width along x, along y"""
+    """(n, 4) centre and 1/half-width along x, then along y"""
     series: Array
     """(n, components, ORDER, ORDER) Chebyshev coefficients"""
     tails: Array
@@ -172,6 +185,7 @@ class _Draft:
 
 
 def _joined(drafts: list[_Draft]) -> _Draft:
+    """Return the pieces of several drafts as one."""
     return _Draft(
         np.concatenate([draft.cells for draft in drafts]),
         np.concatenate([draft.head for draft in drafts]),
@@ -182,10 +196,12 @@ def _joined(drafts: list[_Draft]) -> _Draft:
 
 @dataclass(frozen=True)
 class _Sample:
-    """The force at positions in the meridional plane."""
+    """The exact force at positions in the meridional plane, to compare a table with."""
 
     rho: Array
+    """(n,) distance from the axis"""
     z: Array
+    """(n,) along the axis, from the focus"""
     force: Array
     """(n, 2) F_rho and F_z"""
     error: float
@@ -201,12 +217,13 @@ def build(
     moment: bool,
     progress: Progress | None = None,
 ) -> Made:
-    """A table of `evaluate` for a cone of `half_angle` (rad), out to `reach` radii.
+    """Compute the table of the force `evaluate` for a cone of light, out to `reach` radii.
 
-    tolerance: error of the force, as a part of the largest within reach. moment: whether the moment
-    (3.25) is tabulated. progress: called with the finished part, 0 to 1. The certified error is
-    twice the largest error at `_COMPARED` or more random positions, plus that of the quadrature.
-    Raises `TweezerError` if `evaluate` gives a force that is not finite.
+    half_angle: of the cone, rad. tolerance: error of the force, as a part of the largest within
+    reach. moment: whether the moment (3.25) is tabulated. progress: called with the finished part,
+    0 to 1. The certified error is twice the largest error at `_COMPARED` or more random positions,
+    plus that of the quadrature. Raises `TweezerError` if `evaluate` gives a force that is not
+    finite.
     """
     started = time.perf_counter()
     task = _Task(evaluate, moment, charts.blocks(half_angle, reach), half_angle, reach)
@@ -260,7 +277,7 @@ def _processors() -> int:
 
 
 def _bounds(cells: Integers, parts: Blocks) -> Array:
-    """(n, 4): x from, to, y from, to."""
+    """Return the rectangles of cells (see `_Draft.cells`), (n, 4): x from, to, y from, to."""
     low, high = parts.bounds[cells[:, 0], 0::2], parts.bounds[cells[:, 0], 1::2]
     width = (high - low) * 0.5 ** cells[:, 1:3]
     start = low + width * cells[:, 3:5]
@@ -268,7 +285,10 @@ def _bounds(cells: Integers, parts: Blocks) -> Array:
 
 
 def _halved(cells: Integers, along: NDArray[np.bool_]) -> Integers:
-    """Cells bisected along the axes marked in `along` (n, 2)."""
+    """Return cells (see `_Draft.cells`) bisected along the axes that are marked in `along` (n, 2).
+
+    A cell that is marked along x and y gives four, and one that is not marked remains.
+    """
     for axis in range(2):
         split = along[:, axis]
         cells = cells.copy()
@@ -283,9 +303,10 @@ def _halved(cells: Integers, along: NDArray[np.bool_]) -> Integers:
 def _refined(
     cells: Integers, task: _Task, tolerance: float, largest: float, others: int, report: Progress
 ) -> tuple[_Draft, float]:
-    """Pieces on `cells`, bisected until their estimated error is small, and the largest force.
+    """Return pieces on `cells`, bisected until their estimated error is small; the largest force.
 
-    others: number of other pieces of the table. report: called with the finished part of the area.
+    tolerance: of the error, as a part of the largest force, which is `largest` so far. others:
+    number of other pieces of the table. report: called with the finished part of the area.
     """
     done: list[_Draft] = []
     while len(cells):
@@ -305,7 +326,10 @@ def _refined(
 
 
 def _interpolated(cells: Integers, task: _Task) -> tuple[_Draft, float]:
-    """Pieces on the `cells` within reach, and the largest force at a node."""
+    """Interpolate the force on those of `cells` within reach.
+
+    Returns a piece for each, with its estimated error, and the largest force at a node.
+    """
     bounds, chart = _bounds(cells, task.parts), task.parts.chart[cells[:, 0]]
     needed = ~charts.beyond(chart, bounds, task.reach)
     cells, bounds, chart = cells[needed], bounds[needed], chart[needed]
@@ -349,7 +373,7 @@ def _interpolated(cells: Integers, task: _Task) -> tuple[_Draft, float]:
 
 
 def _packed(draft: _Draft, task: _Task) -> Made:
-    """The table of these pieces, not yet certified."""
+    """Return the table of the pieces of a draft; its certified error is not known yet: NaN."""
     powers = _TO_POWERS @ draft.series @ _TO_POWERS.T
     low, high = task.parts.bounds[:, 0::2], task.parts.bounds[:, 1::2]
     roots, index = _indexed(draft.cells, len(low))
@@ -368,12 +392,20 @@ def _packed(draft: _Draft, task: _Task) -> Made:
 
 
 def _indexed(cells: Integers, blocks: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Roots and index with which `charts` finds a piece."""
+    """Return the roots and the index by which `charts._piece_of` finds a piece.
+
+    cells: of the pieces, see `_Draft.cells`. blocks: number of blocks. A root is the entry of a
+    whole block. An entry that several pieces share becomes a page: a grid of finer entries.
+    """
     pieces = cells.tolist()
     index: list[int] = []
 
     def entry(chosen: list[int], halvings: tuple[int, int], number: tuple[int, int]) -> int:
-        """Index entry for a cell that contains the pieces `chosen`, or lies in one of them."""
+        """Return the index entry for a cell that contains the pieces `chosen`, or lies in one.
+
+        halvings: how often the block is bisected along x and y for the cell. number: of the cell
+        along both, from 0.
+        """
         if not chosen:
             return NO_PIECE
         _, x_halvings, y_halvings, _, _ = pieces[chosen[0]]
@@ -413,7 +445,7 @@ def _indexed(cells: Integers, blocks: int) -> tuple[NDArray[np.int32], NDArray[n
 
 
 def _sample(draft: _Draft, task: _Task, each: int, rng: np.random.Generator) -> _Sample:
-    """The force at `each` random positions of each piece, denser towards its edges."""
+    """Compute the force at `each` random positions of every piece, denser towards its edges."""
     local = np.sin(np.pi * (rng.random((2, len(draft.cells), each)) - 0.5))
     x = draft.head[:, 0, None] + local[0] / draft.head[:, 1, None]
     y = draft.head[:, 2, None] + local[1] / draft.head[:, 3, None]
@@ -425,7 +457,7 @@ def _sample(draft: _Draft, task: _Task, each: int, rng: np.random.Generator) -> 
 
 
 def _worst(made: Made, samples: list[_Sample]) -> Array:
-    """Largest error of each piece at the positions of all samples."""
+    """Return the largest error of each piece at the positions of all samples, (pieces,) n_m P/c."""
     rho = np.concatenate([sample.rho for sample in samples])
     z = np.concatenate([sample.z for sample in samples])
     exact = np.concatenate([sample.force for sample in samples])
