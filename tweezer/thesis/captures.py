@@ -17,26 +17,27 @@ ARRIVED = 20e-9
 
 @dataclass(frozen=True)
 class Capture:
-    """How the unscaled bead comes to rest."""
+    """Capture of one unscaled bead: when, where and with what stiffness it comes to rest."""
 
     bead: str
     """one of `BEADS`"""
     theory: str
     """one of `THEORIES`"""
     arrival: float
-    """time from which on it is within `ARRIVED` of the place of rest, s; infinite if it never is"""
+    """time after which it stays within `ARRIVED` of its place of rest, s; infinite if it never
+    does"""
     overshoot: float
     """overshoot of q2 across the axis, m"""
     rest: float
     """place of rest along the light, m from the focus"""
     stiffness_across: float
-    """N/m"""
+    """trap stiffness along x at the place of rest, N/m"""
     stiffness_along: float
-    """N/m"""
+    """trap stiffness along z, the light, at the place of rest, N/m"""
 
 
 def captures(of_each_theory: Iterable[Mapping[str, Motions]]) -> list[Capture]:
-    """The captures of each bead, from the motions of each theory. Keys: `BEADS`.
+    """Return the captures of each bead by each theory, from its motions by bead (`BEADS`).
 
     Raises `TweezerError` if a bead has no stable equilibrium.
     """
@@ -45,6 +46,7 @@ def captures(of_each_theory: Iterable[Mapping[str, Motions]]) -> list[Capture]:
 
 
 def _capture(motions: Motions) -> Capture:
+    """Return the capture of the unscaled bead of `motions`, by its equilibrium and its run."""
     equilibrium = bound_once(unscaled_scene(motions.bead, motions.theory)).equilibrium
     if equilibrium is None:
         raise TweezerError(f"thesis-{motions.bead}: no stable equilibrium by {motions.theory}")

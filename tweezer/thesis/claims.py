@@ -26,7 +26,7 @@ MODELS = ("thesis", "unscaled")
 
 @dataclass(frozen=True)
 class Claim:
-    """One claim of the thesis."""
+    """A claim of the thesis with its verdict."""
 
     where: str
     """section, figure or equation"""
@@ -39,15 +39,16 @@ class Claim:
     thesis: bool | None
     """whether it holds for the thesis's own model; None if that does not apply"""
     unscaled: bool | None
-    """whether it holds for the unscaled equations"""
+    """whether it holds for the unscaled equations; None if that does not apply"""
     numbers: dict[str, float] = field(default_factory=dict)
     """the numbers in `computed`, in SI or the unit in the name"""
     by_waves: Claim | str | None = None
-    """the same claim with light as waves, or why it has none; None if not computed"""
+    """the same claim judged with light as waves, or the reason why that is not possible; None if
+    not computed"""
 
     @property
     def verdict(self) -> str:
-        """The verdict in words."""
+        """Verdict in words, such as "holds for the scaled model only"."""
         if self.thesis is None or self.unscaled is None:
             known = self.unscaled if self.thesis is None else self.thesis
             return "holds" if known else "does not hold"
@@ -59,12 +60,18 @@ class Claim:
 
     @property
     def verdict_by_waves(self) -> str:
-        """The verdict with light as waves, or why there is none."""
+        """Verdict in words with light as waves, or the reason why there is none; "" if not
+        computed.
+        """
         return self.by_waves.verdict if isinstance(self.by_waves, Claim) else self.by_waves or ""
 
 
 class Evidence:
-    """Motions of the three beads, and quantities that several claims use."""
+    """Motions of the three beads in light of one theory, and quantities that several claims use.
+
+    In its methods `which` is a field of `Motions`, such as "unscaled", and `bead` is one of
+    `BEADS`.
+    """
 
     def __init__(self, by_bead: Mapping[str, Motions]) -> None:
         self.motions = by_bead
@@ -72,48 +79,51 @@ class Evidence:
         self._equilibria: dict[str, Equilibrium] = {}
 
     def run(self, which: str, bead: str) -> xr.Dataset:
-        """The run `which`, a field of `Motions`, of a bead."""
+        """Return the run `which`, a field of `Motions`, of a bead."""
         run: xr.Dataset = getattr(self.motions[bead], which)
         return run
 
     def scene(self, bead: str) -> Scene:
-        """Scene of a bead with the thesis's a2, in the light of the motions."""
+        """Return the scene of a bead with the thesis's a2, in the light of the motions."""
         return in_the_light(load_scene(f"thesis-{bead}"), self.theory)
 
     def unscaled_scene(self, bead: str) -> Scene:
-        """Scene of the unscaled bead."""
+        """Return the scene of the unscaled bead, in the light of the motions."""
         return unscaled_scene(bead, self.theory)
 
     def radius(self, bead: str) -> float:
-        """Radius of a bead, m."""
+        """Return the radius of a bead, m."""
         return self.motions[bead].scene.bead.radius
 
     def each(self, which: str, quantity: Callable[[xr.Dataset], float]) -> dict[str, float]:
-        """A quantity of the run `which` for each bead."""
+        """Return a quantity of the run `which`, a field of `Motions`, for each bead."""
         return {bead: quantity(self.run(which, bead)) for bead in BEADS}
 
     def of_runs(self, quantity: Callable[[xr.Dataset], float]) -> dict[str, dict[str, float]]:
-        """A quantity of a run for each bead, by model."""
+        """Return a quantity of a run by model ("thesis", "unscaled"), and in it by bead."""
         return by_model(lambda which: self.each(which, quantity))
 
     def of_run(self, bead: str, quantity: Callable[[xr.Dataset], float]) -> dict[str, float]:
-        """A quantity of the run of a bead, by model."""
+        """Return a quantity of the run of one bead by model: "thesis" and "unscaled"."""
         return by_model(lambda which: quantity(self.run(which, bead)))
 
     def of_summary(self, bead: str, quantity: Callable[[Summary], _Value]) -> dict[str, _Value]:
-        """A quantity of the summary of a bead's run, by model."""
+        """Return a quantity of the summary of one bead's run by model: "thesis" and "unscaled"."""
         return by_model(lambda which: quantity(self.motions[bead].summary(which)))
 
     def overshoot(self, which: str) -> dict[str, float]:
-        """Overshoot of q2 across the axis, m."""
+        """Return the overshoot of q2 across the axis for each bead in the run `which`, m."""
         return {bead: self.motions[bead].summary(which).overshoot for bead in BEADS}
 
     def captured(self, which: str, bead: str) -> bool:
-        """Whether the run ends in the trap."""
+        """Return whether the run `which` of a bead ends in the trap."""
         return self.motions[bead].summary(which).outcome == "captured"
 
     def equilibrium(self, bead: str) -> Equilibrium:
-        """Stable equilibrium of light and weight in the unscaled scene."""
+        """Return the stable equilibrium of light and weight of the unscaled bead.
+
+        It is computed once. Raises `TweezerError` if there is none.
+        """
         if bead not in self._equilibria:
             found = bound_once(self.unscaled_scene(bead)).equilibrium
             if found is None:
@@ -123,7 +133,7 @@ class Evidence:
 
 
 class Judgement(NamedTuple):
-    """What the motions say of a claim."""
+    """Result of judging a claim by the motions."""
 
     computed: str
     """result in words"""
@@ -163,12 +173,15 @@ def judged(
 
 
 class Criterion(NamedTuple):
-    """A claim of the thesis, and the function that judges it."""
+    """A claim of the thesis, its criterion, and the function that judges it by motions."""
 
     judge: Callable[[Evidence], Judgement]
     where: str
+    """section, figure or equation of the thesis"""
     text: str
+    """the claim in our words"""
     reading: str
+    """condition under which the claim holds"""
     without_waves: str = ""
     """why it has no counterpart in light as waves; "" if it has one"""
 
@@ -180,12 +193,16 @@ class Criterion(NamedTuple):
 
 
 def by_model(quantity: Callable[[str], _Value]) -> dict[str, _Value]:
-    """A quantity of each model."""
+    """Return a quantity for each model, by "thesis" (the scaled model) and "unscaled"."""
     return {which: quantity(which) for which in MODELS}
 
 
 def in_words(values: Mapping[str, float], unit: str = "", digits: int = 2) -> str:
-    """'500 nm: 1.2, 990 nm: 3.4 µm'; "none" for a value that is not finite."""
+    """Return values by bead as text, such as '500 nm: 1.2, 990 nm: 3.4 µm'.
+
+    values: in SI units. unit: in which they are written. digits: significant ones. A value that is
+    not finite is "none".
+    """
     shown = {
         bead.replace("nm", " nm"): (
             f"{value * (per(unit) if unit else 1.0):.{digits}g}" if math.isfinite(value) else "none"
@@ -197,33 +214,37 @@ def in_words(values: Mapping[str, float], unit: str = "", digits: int = 2) -> st
 
 
 def number(value: float, unit: str, form: str) -> str:
-    """A number in a unit, such as '0.060 µm'."""
+    """Return an SI value as text in a unit, such as '0.060 µm'. form: format of the number."""
     return f"{value * per(unit):{form}} {typeset(unit)}"
 
 
 def falling(values: Mapping[str, float]) -> bool:
-    """Whether the values fall as the bead grows."""
+    """Return whether values by bead fall as the bead grows."""
     return all(small > large for small, large in itertools.pairwise(values[bead] for bead in BEADS))
 
 
 def rising(values: Mapping[str, float]) -> bool:
-    """Whether the values rise as the bead grows."""
+    """Return whether values by bead rise as the bead grows."""
     return all(small < large for small, large in itertools.pairwise(values[bead] for bead in BEADS))
 
 
 def on_the_way(run: xr.Dataset, name: str) -> np.ndarray:
-    """From the first sample after release to the first closest approach."""
+    """Return the variable `name` of a run until the first closest approach, (samples, ...).
+
+    The release is left out, because the bead is at rest there. Without an approach it is the whole
+    run.
+    """
     approach = closest_approach(run)
     return run[name].values[1 : None if approach is None else approach + 1]
 
 
 def at_approach(run: xr.Dataset, name: str) -> float:
-    """At the first closest approach; NaN if there is none."""
+    """Return the variable `name` of a run at the first closest approach; NaN if there is none."""
     approach = closest_approach(run)
     return math.nan if approach is None else float(run[name].values[approach])
 
 
 def net_force(run: xr.Dataset) -> np.ndarray:
-    """The sizes of the net motion force at the samples, N."""
+    """Return the magnitudes of the net motion force at the samples of a run, (samples,) N."""
     size: np.ndarray = np.linalg.norm(run["net_force"].values, axis=1)
     return size

@@ -35,7 +35,7 @@ Draw = Callable[["Axes", xr.Dataset, xr.Dataset, str], None]
 
 @style.styled
 def figure(number: str, motions: Motions) -> Figure:
-    """The counterpart of the thesis's figure of that `number`, "5.1" to "5.15" or "C.1" to "C.12".
+    """Draw the counterpart of the thesis's figure `number`, "5.1" to "5.15" or "C.1" to "C.12".
 
     motions: of the bead that `FIGURES` names. Raises `SceneError` for another bead.
     """
@@ -55,6 +55,10 @@ def figure(number: str, motions: Motions) -> Figure:
 
 
 def _heading(run: xr.Dataset, side: str) -> str:
+    """Return the title of a panel: the model, its a2, and the status of a run that is not complete.
+
+    side: "thesis" or "unscaled".
+    """
     status = "" if run.attrs["status"] == "complete" else f", {run.attrs['status']}"
     if side == "thesis":
         return f"the thesis's model, a₂ = {scene_of(run).simulation.scaling_factor:g}{status}"
@@ -62,6 +66,7 @@ def _heading(run: xr.Dataset, side: str) -> str:
 
 
 def _time(run: xr.Dataset) -> np.ndarray:
+    """Return the times of the samples of a run, (n,) ms."""
     return run["time"].values * per("ms")
 
 
@@ -73,6 +78,10 @@ def _mark(
     marker: str = "o",
     of: str = "",
 ) -> None:
+    """Mark the first closest approach (FCA) of a run on the curve (x, y), if it has one.
+
+    x, y: (n,) values at the samples. marker: "o" for a ring, "*" for a star. of: end of the label.
+    """
     approach = closest_approach(run)
     if approach is not None:
         axes.plot(
@@ -83,6 +92,10 @@ def _mark(
 
 
 def _coordinate(axis: str, name: str) -> Draw:
+    """Return a function that draws a coordinate over time. axis: "x", "y" or "z". name: on the
+    axis.
+    """
+
     def draw(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
         noisy = thermal["position"].sel(axis=axis).values * per("um")
         path = run["position"].sel(axis=axis).values * per("um")
@@ -96,6 +109,7 @@ def _coordinate(axis: str, name: str) -> Draw:
 
 
 def _reynolds_time(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
+    """Draw the Reynolds number over time, without noise (dark) and with it (pale)."""
     axes.plot(_time(thermal)[1:], thermal["reynolds_number"][1:], color=_PALE[side], lw=0.6)
     number = run["reynolds_number"].values
     axes.plot(_time(run)[1:], number[1:], color=_DARK[side], lw=1.3)
@@ -104,6 +118,7 @@ def _reynolds_time(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) 
 
 
 def _reynolds_speed(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
+    """Draw the Reynolds number over the speed, without noise (dark) and with it (pale points)."""
     axes.plot(
         thermal["speed"][1:] * per("mm/s"), thermal["reynolds_number"][1:], ".",
         color=_PALE[side], ms=2,
@@ -115,8 +130,9 @@ def _reynolds_speed(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str)
 
 
 def _force_distance(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
-    """|net motion force| with the sign of its component along N3; with noise it includes the random
-    force, averaged over a sample.
+    """Draw the net motion force over the distance to the focus, with its sign along N3.
+
+    With noise (pale points) it includes the random force, averaged over a sampling interval.
     """
     random = _with_random_force(thermal)
     inner = thermal["distance"].values[1:]
@@ -130,14 +146,17 @@ def _force_distance(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str)
 
 
 def _signed(force: np.ndarray) -> np.ndarray:
-    """Length of vectors (n, 3), with the sign of their z component."""
+    """Return the magnitudes of vectors, (n, 3), with the signs of their z components."""
     length: np.ndarray = np.copysign(np.linalg.norm(force, axis=1), force[:, 2])
     return length
 
 
 def _with_random_force(thermal: xr.Dataset) -> np.ndarray:
-    """Mean of all forces but drag over each sample, N, (n - 1, 3), from the motion by Newton's law:
-    (m dv + beta dr)/h, with the mass m/a2 of the scaled model.
+    """Return the mean of all forces but drag over each sampling interval, (n - 1, 3) N.
+
+    It follows from a thermal run by Newton's law as (m dv + beta dr)/h, with the changes dv and dr
+    of velocity and position in the interval h, the drag beta, and the mass m (m/a2 in the scaled
+    model).
     """
     scene = scene_of(thermal)
     bead = bead_properties(scene)
@@ -151,6 +170,7 @@ def _with_random_force(thermal: xr.Dataset) -> np.ndarray:
 
 
 def _speeds(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
+    """Draw the actual and the terminal speed over time, and the actual one with noise (pale)."""
     axes.plot(_time(thermal)[1:], thermal["speed"][1:] * per("mm/s"), color=_PALE[side], lw=0.6)
     actual = run["speed"].values * per("mm/s")
     terminal = run["terminal_speed"].values * per("mm/s")
@@ -165,6 +185,7 @@ def _speeds(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None
 
 
 def _energy(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
+    """Draw the change of the total energy over time, without noise (dark) and with it (pale)."""
     for of, colour, width in ((thermal, _PALE, 0.6), (run, _DARK, 1.5)):
         energy = of["total_energy"].values * per("zJ")
         axes.plot(_time(of), energy - energy[0], color=colour[side], lw=width)
@@ -174,6 +195,9 @@ def _energy(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None
 
 
 def _planar(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
+    """Draw the path in the plane of the camera, q2 over q1, without noise (dark) and with it
+    (pale).
+    """
     for of, colour, width in ((thermal, _PALE, 0.8), (run, _DARK, 1.5)):
         q1, q2, _ = of["position"].values.T * per("um")
         axes.plot(q1, q2, color=colour[side], lw=width)
@@ -185,6 +209,7 @@ def _planar(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None
 
 
 def _orientation(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, _side: str) -> None:
+    """Draw the four Euler parameters over time, with noise pale."""
     for i, mark in enumerate(style.SERIES[:4]):
         noisy = thermal["orientation"][:, i]
         axes.plot(_time(thermal), noisy, color=mark.colour, lw=0.6, alpha=0.4)
@@ -223,7 +248,10 @@ _THEORY_LINES = {"rays": style.SERIES[1], "waves": style.SERIES[0]}
 
 @style.styled
 def captures_figure(of_each_theory: Iterable[Mapping[str, Motions]]) -> Figure:
-    """q2 and q3 of the three unscaled beads, in the light of rays and as waves; without noise."""
+    """Draw q2 and q3 of the three unscaled beads over time, in the light of rays and as waves.
+
+    The runs are without noise. of_each_theory: motions by bead (`BEADS`), for each theory.
+    """
     drawn = style.new(style.PAGE, 4.6)
     panels = drawn.subplots(2, len(BEADS), sharex="col")
     by_theory = list(of_each_theory)
@@ -249,8 +277,11 @@ _READING_LINES = dict(zip(READINGS, ("-", "--", ":"), strict=True))
 
 @style.styled
 def memory_figure(by_bead: Mapping[str, Motions], found: Iterable[Remembered]) -> Figure:
-    """|q2| of the three unscaled beads without and with the fluid's inertia, in the light of rays;
-    and q2 with the printed a2, by what it divides.
+    """Draw the effect of the fluid's inertia on the three beads in the light of rays.
+
+    Above is |q2| of the unscaled bead without and with it, below q2 with the printed a2 by each
+    reading. by_bead: motions in the light of rays. found: comparisons, of which those by rays are
+    drawn.
     """
     of_rays = {each.bead: each for each in found if each.theory == "rays"}
     drawn = style.new(style.PAGE, 4.6)
@@ -288,7 +319,7 @@ def memory_figure(by_bead: Mapping[str, Motions], found: Iterable[Remembered]) -
 
 @style.styled
 def study_figure(study: Study) -> Figure:
-    """Fate of the 500 nm bead: for single changes, and by a2 and power."""
+    """Draw the fate of the 500 nm bead for single changes, and its overshoot by a2 and power."""
     drawn = style.new(style.PAGE, 8.6)
     axes = drawn.subplot_mosaic([["a2", "power"], ["other", "map"]])
     panels = {
@@ -322,7 +353,7 @@ def study_figure(study: Study) -> Figure:
 
 
 def _draw_capture(axes: Axes, study: Study) -> None:
-    """Overshoot by a2 and power; a cross marks a bead that does not end in the trap."""
+    """Draw the overshoot by a2 and power; a cross marks a bead that does not end in the trap."""
     columns, rows = np.arange(len(study.factors)), np.arange(len(study.powers))
     image = axes.pcolormesh(
         columns, rows, np.where(study.captured, study.overshoot, np.nan) * per("um"),

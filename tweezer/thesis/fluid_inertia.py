@@ -25,9 +25,10 @@ READINGS = ("the bead alone", "the bead, fluid as it is", "bead and fluid")
 
 @dataclass(frozen=True)
 class Scaled:
-    """A bead with the printed a2, by one of `READINGS`."""
+    """Motion of a bead with the printed a2, by one reading of the term that a2 divides."""
 
     reading: str
+    """one of `READINGS`"""
     outcome: str
     """outcome of `tweezer.summarise`"""
     overshoot: float
@@ -40,29 +41,31 @@ class Scaled:
 
 @dataclass(frozen=True)
 class Remembered:
-    """A bead in a fluid without inertia, and in one with it; without noise."""
+    """Motion of a bead in a fluid without inertia compared with one in a fluid with it."""
 
     bead: str
     """one of `BEADS`"""
     theory: str
     """one of `THEORIES`"""
     off: float
-    """largest distance of the unscaled motions, m"""
+    """largest distance between the unscaled beads at the same time, m"""
     within: tuple[float, float]
-    """s, when the unscaled bead is within a radius of the focus: without, and with"""
+    """times at which the unscaled bead comes within a radius of the focus, s: without fluid
+    inertia, and with it"""
     overshoot: tuple[float, float]
-    """of q2 across the axis, m, of the unscaled bead: without, and with"""
+    """overshoot of q2 of the unscaled bead across the axis, m: without fluid inertia, and with"""
     scaled: tuple[Scaled, ...]
-    """by reading"""
+    """motions with the printed a2, one for each of `READINGS`"""
 
 
 def remembered(of_each_theory: Iterable[Mapping[str, Motions]]) -> list[Remembered]:
-    """Every bead with and without the fluid's inertia, from the motions of each theory."""
+    """Return the comparison for every bead by each theory, from the motions by bead (`BEADS`)."""
     by_theory = list(of_each_theory)
     return [_remembered(by_bead[bead]) for bead in BEADS for by_bead in by_theory]
 
 
 def _remembered(motions: Motions) -> Remembered:
+    """Return the comparison for one bead from its motions, and run it with the printed a2."""
     without, with_memory = motions.unscaled, motions.remembering
     radius = motions.scene.bead.radius
     return Remembered(
@@ -76,13 +79,20 @@ def _remembered(motions: Motions) -> Remembered:
 
 
 def _within(run: xr.Dataset, distance: float) -> float:
-    """First time at that distance from the focus, between samples in proportion, s."""
+    """Return the first time at which the bead comes within `distance`, m, of the focus, s.
+
+    It is interpolated linearly between samples.
+    """
     t, away = run["time"].values, run["distance"].values
     there = int(np.argmax(away < distance))
     return float(np.interp(-distance, -away[there - 1 : there + 1], t[there - 1 : there + 1]))
 
 
 def _scaled(motions: Motions, reading: str) -> Scaled:
+    """Run a bead with the printed a2 by one of `READINGS`, without noise.
+
+    A run of `_all_inertia_scaled` takes `unit` seconds for each second of the scaled motion.
+    """
     printed = in_the_light(load_scene(f"thesis-{motions.bead}"), motions.theory).replace(
         simulation={"method": "auto"}
     )
@@ -106,10 +116,12 @@ def _scaled(motions: Motions, reading: str) -> Scaled:
 
 
 def _all_inertia_scaled(printed: Scene) -> tuple[Scene, float]:
-    """A scene without scaling that moves as if all densities were over a2, and its unit of time.
+    """Return a scene that moves as if all densities were divided by a2, and its factor of time.
 
-    With the time in units of sqrt(a2), (m/a2) x'' + beta x' = F is m x'' + sqrt(a2) beta x' = F,
-    and so with the memory of the fluid: all densities over a2 are as a viscosity times sqrt(a2).
+    With the time t' = u t, u = sqrt(a2), the equation (m/a2) x'' + beta x' = F becomes m x'' + u
+    beta x' = F, where m is the mass, beta the drag and F the force. The memory of the fluid scales
+    in the same way. So the scene is unscaled, has u times the viscosity, and lasts u times as long.
+    The factor is u.
     """
     unit = math.sqrt(printed.simulation.scaling_factor or 1.0)
     return printed.replace(

@@ -28,23 +28,24 @@ _THERMAL_WORK = 40
 
 @dataclass(frozen=True)
 class Variant:
-    """The 500 nm bead with something changed."""
+    """Fate of the thesis's 500 nm bead with one parameter changed."""
 
     group: str
     """kind of the change: a2, force, lens, polarisation, power, start"""
     name: str
+    """the change in words"""
     outcome: str
     """outcome of `tweezer.summarise`"""
     outcome_time: float
-    """s"""
+    """time of the outcome, s"""
     overshoot: float
     """overshoot of q2 across the axis, m"""
     crossings: int
     """number of crossings of the axis by q2, of more than 1 nm, after the first closest approach"""
     time: np.ndarray
-    """s, (n,)"""
+    """(n,) times of the samples, s"""
     q2: np.ndarray
-    """m, (n,)"""
+    """(n,) coordinate y across the light, m"""
 
     @property
     def as_claimed(self) -> bool:
@@ -54,7 +55,7 @@ class Variant:
 
 @dataclass(frozen=True)
 class Study:
-    """Fate of the thesis's 500 nm bead."""
+    """Parameter study of the thesis's 500 nm bead in the scaled model."""
 
     variants: list[Variant]
     """motions, first that with all parameters as printed"""
@@ -63,9 +64,9 @@ class Study:
     powers: tuple[float, ...]
     """power of the rows, before the pupil, mW"""
     captured: np.ndarray
-    """whether the bead is captured, (powers, factors)"""
+    """(powers, factors) booleans: whether the bead is captured"""
     overshoot: np.ndarray
-    """overshoot, m, of the same shape"""
+    """(powers, factors) overshoot of q2 across the axis, m"""
     kept: int
     """number of trajectories with thermal motion, all else as printed, that end within a radius of
     the focus"""
@@ -80,7 +81,7 @@ class Study:
 
 
 def study(did: Callable[[float], None] = lambda _: None) -> Study:
-    """Single changes, then a2 and power together, then thermal motion.
+    """Run the bead with single changes, then for each a2 and power, then with thermal motion.
 
     did: called with each finished part of the work; the parts sum to 1.
     """
@@ -120,6 +121,9 @@ def study(did: Callable[[float], None] = lambda _: None) -> Study:
 
 
 def _changes(printed: Scene) -> list[tuple[str, str, Scene]]:
+    """Return the scenes of the single changes, each with its group and name; the first is
+    unchanged.
+    """
     table: list[tuple[str, str, dict[str, Any]]] = [
         ("printed", "all as printed", {}),
         ("force", "integral in place of 7644 rays", {}),
@@ -152,6 +156,7 @@ def _changes(printed: Scene) -> list[tuple[str, str, Scene]]:
 
 
 def _variant(group: str, name: str, scene: Scene) -> Variant:
+    """Run the scene of a change, and return the fate of its bead."""
     run = simulate(scene)
     summary = summarise(run)
     return Variant(
@@ -167,10 +172,10 @@ def _variant(group: str, name: str, scene: Scene) -> Variant:
 
 
 def _thermally_kept(printed: Scene) -> np.ndarray:
-    """Whether each trajectory ends within a radius of the focus, where the trap is,
-    (trajectories,).
+    """Return whether each trajectory with thermal motion ends within a radius of the focus.
 
-    Outside, a bead drifts for most of the run before it is far enough to count as lost.
+    It is an array of booleans, (trajectories,). A bead that has left the trap drifts for most of
+    the run before it is far enough to count as lost, so being lost is no criterion.
     """
     scene = printed.replace(
         forces={"brownian": True},

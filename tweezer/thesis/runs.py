@@ -1,6 +1,6 @@
-"""The motions in the thesis's figures: each bead by the thesis's model, and unscaled.
+"""Motions in the thesis's figures: each bead by the thesis's scaled model, and unscaled.
 
-Both in the light of rays, as in the thesis, and in the same light as waves.
+Each is computed in the light of rays, as in the thesis, and in the same light as waves.
 """
 
 from __future__ import annotations
@@ -50,16 +50,17 @@ class Motions:
     theory: str
     """one of `THEORIES`"""
     thesis: xr.Dataset
-    """scaled model (4.17), printed a2, Dormand-Prince; no noise; of rays 7644 and their moment
-    (3.25)"""
+    """run of the scaled model (4.17) with the printed a2, by Dormand-Prince, without noise; light
+    of 7644 rays with their moment (3.25), or of waves"""
     thesis_thermal: xr.Dataset
-    """the same with thermal force and torque, by steps with exact drag and noise"""
+    """the scaled model with thermal force and torque, by steps with exact drag and noise"""
     unscaled: xr.Dataset
-    """full model (A.25), the integral over the lens, no moment of the light; no noise"""
+    """run of the full model (A.25), with the integral over the lens and no moment of the light,
+    without noise"""
     unscaled_thermal: xr.Dataset
-    """the same with thermal force and torque"""
+    """the full model with thermal force and torque"""
     remembering: xr.Dataset
-    """the unscaled bead in a fluid with inertia; no noise"""
+    """the full model in a fluid with inertia, without noise"""
 
     @functools.cached_property
     def scene(self) -> Scene:
@@ -73,7 +74,7 @@ class Motions:
 
     @property
     def scaling_factor(self) -> float:
-        """The printed a2."""
+        """Scaling factor a2 that the thesis prints for this bead."""
         return self.scene.simulation.scaling_factor or 1.0
 
     @property
@@ -82,15 +83,16 @@ class Motions:
         return largest_distance(self.unscaled, self.remembering)
 
     def summary(self, which: str) -> Summary:
-        """Summary of the motion of that name."""
+        """Return the summary of the run `which`, the name of a field such as "unscaled"."""
         return summarise(getattr(self, which))
 
 
 def in_the_light(scene: Scene, theory: str) -> Scene:
-    """A scene of the thesis with the integral over its lens in place of 7644 rays, or with waves.
+    """Return a scene of the thesis in light without its approximations, by rays or waves.
 
-    Waves of the same lens, profile and power: unpolarised, where the thesis averages the
-    reflectances (3.17), which waves do not have.
+    By rays it has the integral over the lens in place of 7644 rays. Waves have the same lens,
+    profile and power. They are unpolarised, because the thesis averages the reflectances (3.17),
+    which waves do not have. theory: one of `THEORIES`.
     """
     if theory == "rays":
         return scene.replace(optics=INTEGRAL)
@@ -98,8 +100,10 @@ def in_the_light(scene: Scene, theory: str) -> Scene:
 
 
 def thesis_scene(bead: str, theory: str = "rays") -> Scene:
-    """The scene of a bead of `BEADS` as in the thesis's model: its a2, its rays and their moment;
-    or waves, place by place.
+    """Return the scene of a bead in the thesis's model: its a2, and its light.
+
+    The light is of 7644 rays with their moment (3.25), or of waves, whose force is then computed at
+    each position, not from a map. bead: one of `BEADS`. theory: one of `THEORIES`.
     """
     scene = load_scene(f"thesis-{bead}")
     if theory == "rays":
@@ -108,8 +112,10 @@ def thesis_scene(bead: str, theory: str = "rays") -> Scene:
 
 
 def unscaled_scene(bead: str, theory: str = "rays") -> Scene:
-    """The same light and bead without the thesis's approximations: the scaling, the grid of rays,
-    and the moment (3.25), which light does not exert on a lossless sphere.
+    """Return the scene of a bead without the thesis's approximations.
+
+    These are the scaling, the grid of rays, and the moment (3.25), which light does not exert on a
+    lossless sphere. bead: one of `BEADS`. theory: one of `THEORIES`.
     """
     return in_the_light(load_scene(f"thesis-{bead}"), theory).replace(
         simulation={"model": "full", "method": "auto", "scaling_factor": None},
@@ -117,7 +123,10 @@ def unscaled_scene(bead: str, theory: str = "rays") -> Scene:
 
 
 def motions(bead: str, seed: int = 1, theory: str = "rays") -> Motions:
-    """The five motions of a bead of `BEADS`; seed: of the thermal ones; theory: of `THEORIES`."""
+    """Compute the five motions of a bead.
+
+    bead: one of `BEADS`. seed: of the thermal motions. theory: one of `THEORIES`.
+    """
     thesis, unscaled = thesis_scene(bead, theory), unscaled_scene(bead, theory)
     noisy = thesis.replace(forces=_NOISE, simulation={"method": "auto"})
     densely = _densely_sampled(unscaled)
@@ -133,28 +142,35 @@ def motions(bead: str, seed: int = 1, theory: str = "rays") -> Motions:
 
 
 def _densely_sampled(scene: Scene) -> Scene:
-    """The scene with samples that resolve the peak of the force, passed within microseconds."""
+    """Return a scene with 20 times as many samples.
+
+    They resolve the peak of the force, which the bead passes within microseconds.
+    """
     samples = _SAMPLES_BETWEEN * (scene.simulation.samples - 1) + 1
     return scene.replace(simulation={"samples": samples})
 
 
 def largest_distance(first: xr.Dataset, second: xr.Dataset) -> float:
-    """Largest distance of the beads of two runs at the samples that both have, m."""
+    """Return the largest distance between the beads of two runs at samples that both have, m."""
     n = min(first.sizes["time"], second.sizes["time"])
     apart = first["position"].values[:n] - second["position"].values[:n]
     return float(np.linalg.norm(apart, axis=1).max())
 
 
 def closest_approach(run: xr.Dataset) -> int | None:
-    """Sample nearest to the first closest approach (FCA), the first local minimum of the distance
-    to the focus (5.2); None if there is none.
+    """Return the index of the sample nearest to the first closest approach (FCA); None without one.
+
+    The FCA is the first local minimum of the distance to the focus (5.2).
     """
     time = summarise(run).closest_approach_time
     return None if time is None else int(np.abs(run["time"].values - time).argmin())
 
 
 def crossings(run: xr.Dataset, least: float = 1e-9) -> int:
-    """Number of crossings by q2, of more than `least` m, after the first closest approach."""
+    """Return how often q2 crosses the axis after the first closest approach.
+
+    A crossing counts if q2 is more than `least` m from the axis on both sides.
+    """
     approach = closest_approach(run)
     if approach is None:
         return 0

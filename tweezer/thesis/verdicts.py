@@ -1,4 +1,9 @@
-"""The thesis's claims, each with a verdict computed from the motions: of rays, and of waves."""
+"""Verdicts on the thesis's claims (claims.toml), computed from motions in the light of rays and of
+waves.
+
+Each function `_NAME` judges the claim [NAME] of claims.toml, which has its text and criterion. A
+claim is judged for the thesis's scaled model ("thesis") and for the unscaled equations.
+"""
 
 from __future__ import annotations
 
@@ -66,14 +71,14 @@ _JUDGES: dict[str, _Judge] = {}
 
 
 def _judge(function: _Judge) -> _Judge:
-    """The function that judges the claim of its name in claims.toml."""
+    """Register a function as the judge of the claim with its name in claims.toml, and return it."""
     _JUDGES[function.__name__.removeprefix("_")] = function
     return function
 
 
 @functools.cache
 def criteria() -> tuple[Criterion, ...]:
-    """The claims of claims.toml, each with the function that judges it."""
+    """Return the claims of claims.toml, each with the function that judges it."""
     texts = tomllib.loads(Path(__file__).with_name("claims.toml").read_text(encoding="utf-8"))
     return tuple(Criterion(_JUDGES[name], **of_claim) for name, of_claim in texts.items())
 
@@ -81,9 +86,10 @@ def criteria() -> tuple[Criterion, ...]:
 def claims(
     by_bead: Mapping[str, Motions], by_waves: Mapping[str, Motions] | None = None
 ) -> list[Claim]:
-    """Every claim, with the verdict that the motions of the three beads give. Keys: `BEADS`.
+    """Return every claim with the verdict that follows from the motions of the three beads.
 
-    by_waves: the motions in light as waves, for the verdicts that they give.
+    by_bead: motions in the light of rays, by the names in `BEADS`. by_waves: motions in the same
+    light as waves; the claims then have verdicts from these too.
     """
     evidence = Evidence(by_bead)
     found = [claim(evidence) for claim in criteria()]
@@ -101,6 +107,7 @@ def claims(
 
 @_judge
 def _largest_is_overdamped(evidence: Evidence) -> Judgement:
+    """Judge whether the 1950 nm bead is trapped and overshoots the axis by less than 1 nm."""
     overshoot = evidence.of_summary("1950nm", lambda summary: summary.overshoot)
     times = evidence.of_summary("1950nm", lambda summary: summary.outcome_time)
     (of_thesis, ended), (unscaled, ended_unscaled) = (
@@ -116,6 +123,9 @@ def _largest_is_overdamped(evidence: Evidence) -> Judgement:
 
 @_judge
 def _middle_overshoots_a_little(evidence: Evidence) -> Judgement:
+    """Judge whether the trapped 990 nm bead overshoots by 1 nm to a radius, and crosses the axis
+    twice.
+    """
     overshoot = evidence.of_summary("990nm", lambda summary: summary.overshoot)
     crossed = evidence.of_run("990nm", crossings)
     return judged(
@@ -130,6 +140,7 @@ def _middle_overshoots_a_little(evidence: Evidence) -> Judgement:
 
 @_judge
 def _smallest_overshoots_more(evidence: Evidence) -> Judgement:
+    """Judge whether the 500 nm bead overshoots more than the 990 nm bead, and by more than 1 nm."""
     small, middle = (
         evidence.of_summary(bead, lambda summary: summary.overshoot) for bead in ("500nm", "990nm")
     )
@@ -144,6 +155,7 @@ def _smallest_overshoots_more(evidence: Evidence) -> Judgement:
 
 @_judge
 def _smallest_stays(evidence: Evidence) -> Judgement:
+    """Judge whether the 500 nm bead ends in the trap and crosses the axis at least twice."""
     summaries = evidence.of_summary("500nm", lambda summary: summary)
     crossed = evidence.of_run("500nm", crossings)
     height = number(summaries["thesis"].end[2], "um", "+.1f")
@@ -161,6 +173,9 @@ def _smallest_stays(evidence: Evidence) -> Judgement:
 
 @_judge
 def _smaller_rings_more(evidence: Evidence) -> Judgement:
+    """Judge whether the overshoot falls from bead to bead as they grow, each with its own printed
+    a2.
+    """
     overshoot = by_model(evidence.overshoot)
     return judged(
         lambda which: in_words(overshoot[which], "um"),
@@ -171,7 +186,9 @@ def _smaller_rings_more(evidence: Evidence) -> Judgement:
 
 @_judge
 def _size_decides(evidence: Evidence) -> Judgement:
-    """The three beads with the a2 that is printed for the middle one."""
+    """Judge whether overshoots fall with size if all beads have one a2, that printed for the middle
+    one.
+    """
     one_a2 = {"scaling_factor": load_scene("thesis-990nm").simulation.scaling_factor}
     runs = {bead: simulate(evidence.scene(bead).replace(simulation=one_a2)) for bead in BEADS}
     overshoot = {bead: summarise(run).overshoot for bead, run in runs.items()}
@@ -185,7 +202,11 @@ def _size_decides(evidence: Evidence) -> Judgement:
 
 @_judge
 def _ringing_needs_stiffness(evidence: Evidence) -> Judgement:
-    """Chapter 6: underdamped motion of the smaller beads."""
+    """Judge whether the traps of the 500 and 990 nm beads are underdamped (chapter 6).
+
+    They are if the largest stiffness exceeds beta^2/(4 m), with the drag beta and the mass m, which
+    is m/a2 in the thesis's model. The ratio of both is printed; below 1 the bead rings.
+    """
     ratio: dict[str, dict[str, float]] = by_model(lambda _: {})
     for bead in BEADS:
         properties = evidence.motions[bead].properties
@@ -207,6 +228,7 @@ def _ringing_needs_stiffness(evidence: Evidence) -> Judgement:
 
 @_judge
 def _reynolds_range(evidence: Evidence) -> Judgement:
+    """Judge whether the Reynolds number stays in 1e-9 to 1e-3 until the first closest approach."""
     numbers = by_model(
         lambda which: [on_the_way(evidence.run(which, bead), "reynolds_number") for bead in BEADS]
     )
@@ -221,7 +243,10 @@ def _reynolds_range(evidence: Evidence) -> Judgement:
 
 @_judge
 def _reynolds_away(evidence: Evidence) -> Judgement:
+    """Judge whether the Reynolds number exceeds 1e-4 nowhere beyond two radii from the focus."""
+
     def farthest(run: xr.Dataset) -> float:
+        """Return the largest distance from the focus with Re > 1e-4, in radii; 0 if nowhere."""
         fast = run["reynolds_number"].values > 1e-4
         r = scene_of(run).bead.radius
         return float(run["distance"].values[fast].max() / r) if fast.any() else 0.0
@@ -237,12 +262,14 @@ def _reynolds_away(evidence: Evidence) -> Judgement:
 
 @_judge
 def _reynolds_at_approach(evidence: Evidence) -> Judgement:
+    """Judge whether the Reynolds number at the first closest approach falls as the bead grows."""
     at = evidence.of_runs(lambda run: at_approach(run, "reynolds_number"))
     return judged(lambda which: in_words(at[which]), lambda which: falling(at[which]), **at)
 
 
 @_judge
 def _reynolds_blind(evidence: Evidence) -> Judgement:
+    """Judge whether a bead overshoots by more than 1 nm although its Reynolds number is small."""
     overshoot = evidence.overshoot("unscaled")
     largest = max(float(evidence.run("unscaled", bead)["reynolds_number"].max()) for bead in BEADS)
     return judged(
@@ -258,6 +285,7 @@ def _reynolds_blind(evidence: Evidence) -> Judgement:
 
 @_judge
 def _force_vanishes(evidence: Evidence) -> Judgement:
+    """Judge whether the force vanishes near the focus: equilibrium within half a radius of it."""
     where, part = {}, {}
     for bead in BEADS:
         scene = evidence.unscaled_scene(bead)
@@ -275,7 +303,14 @@ def _force_vanishes(evidence: Evidence) -> Judgement:
 
 @_judge
 def _force_sign(evidence: Evidence) -> Judgement:
+    """Judge whether the force along the light drives the bead towards the plane of the focus."""
+
     def against(run: xr.Dataset) -> float:
+        """Return the fraction of samples at which the force along z opposes the displacement z.
+
+        Counted are samples within two radii of the focus, off its plane by more than 5 % of a
+        radius, at which the force exceeds 1 % of its largest. NaN if there are none.
+        """
         z = run["position"].sel(axis="z").values
         force = run["net_force"].sel(axis="z").values
         r = scene_of(run).bead.radius
@@ -294,13 +329,18 @@ def _force_sign(evidence: Evidence) -> Judgement:
 
 @_judge
 def _force_peak(evidence: Evidence) -> Judgement:
+    """Judge whether the net force is largest further from the focus, the larger the bead."""
     at = evidence.of_runs(lambda run: float(run["distance"].values[net_force(run).argmax()]))
     return judged(lambda which: in_words(at[which], "um"), lambda which: rising(at[which]), **at)
 
 
 @_judge
 def _jagged_tail(evidence: Evidence) -> Judgement:
-    """Random force averaged over a time h: sqrt(2 beta kT/h) in each direction."""
+    """Judge whether the random force's share of the net force is ten times larger at the start.
+
+    The share is compared between the release and the peak of the net force. The random force
+    averaged over a time h is sqrt(2 beta kT/h) in each direction, with the drag beta; h is 1 ms.
+    """
     growth, rms = {}, {}
     for bead in BEADS:
         properties = evidence.motions[bead].properties
@@ -318,7 +358,10 @@ def _jagged_tail(evidence: Evidence) -> Judgement:
 
 @_judge
 def _thermal_fluctuations(evidence: Evidence) -> Judgement:
+    """Judge whether q2 of the settled beads fluctuates by sqrt(kT/k) within 30 % (k: stiffness)."""
+
     def of_settled(which: str) -> dict[str, float]:
+        """Return fluctuation over sqrt(kT/k) by bead, for the beads that the model traps."""
         beads = (bead for bead in BEADS if evidence.captured(f"{which}_thermal", bead))
         return {bead: _fluctuation(evidence, which, bead) for bead in beads}
 
@@ -331,7 +374,11 @@ def _thermal_fluctuations(evidence: Evidence) -> Judgement:
 
 
 def _fluctuation(evidence: Evidence, which: str, bead: str) -> float:
-    """Standard deviation of q2 of a bead that has settled, over sqrt(kT/k)."""
+    """Return the standard deviation of q2 after a bead has settled, over sqrt(kT/k).
+
+    q2 is the second coordinate, along y, and k the stiffness of the trap along it. which: model,
+    "thesis" or "unscaled". bead: one of `BEADS`.
+    """
     run = evidence.run(f"{which}_thermal", bead)
     place = evidence.equilibrium(bead)
     off = np.linalg.norm(run["position"].values - np.array(place.position), axis=1)
@@ -345,6 +392,7 @@ def _fluctuation(evidence: Evidence, which: str, bead: str) -> float:
 
 @_judge
 def _marginal_line(evidence: Evidence) -> Judgement:
+    """Judge whether the stiffness along the axis is below a hundredth of that across it."""
     softest = {}
     for bead in BEADS:
         k = np.diag(evidence.equilibrium(bead).stiffness)
@@ -360,23 +408,31 @@ def _marginal_line(evidence: Evidence) -> Judgement:
 
 
 def _ratio_at_approach(run: xr.Dataset) -> float:
+    """Return the speed over the terminal speed at the first closest approach of a run."""
     return at_approach(run, "speed") / at_approach(run, "terminal_speed")
 
 
 def _departure(run: xr.Dataset) -> float:
-    """Median of |v/v_t - 1| on the way."""
+    """Return the median of |v/v_t - 1| until the first closest approach.
+
+    v is the speed of the bead, and v_t its terminal speed, at which drag balances the force.
+    """
     ratio = on_the_way(run, "speed") / on_the_way(run, "terminal_speed")
     return float(np.median(np.abs(ratio - 1)))
 
 
 def _largest_departure(run: xr.Dataset) -> float:
-    """Largest |v - v_t| on the way over the largest terminal speed."""
+    """Return the largest |v - v_t| until the first closest approach, over the largest v_t.
+
+    v is the speed of the bead, and v_t its terminal speed, at which drag balances the force.
+    """
     speed, terminal = on_the_way(run, "speed"), on_the_way(run, "terminal_speed")
     return float(np.abs(speed - terminal).max() / terminal.max())
 
 
 @_judge
 def _largest_at_terminal_speed(evidence: Evidence) -> Judgement:
+    """Judge whether the 1950 nm bead moves at terminal speed up to the first closest approach."""
     at = evidence.of_run("1950nm", _ratio_at_approach)
     off = evidence.of_run("1950nm", _departure)
     worst = evidence.of_run("1950nm", _largest_departure)
@@ -391,6 +447,7 @@ def _largest_at_terminal_speed(evidence: Evidence) -> Judgement:
 
 @_judge
 def _middle_departs_a_little(evidence: Evidence) -> Judgement:
+    """Judge whether speeds depart from terminal speeds, and the more the smaller the bead."""
     off = evidence.of_runs(_departure)
     return judged(
         lambda which: in_words(off[which]),
@@ -401,6 +458,9 @@ def _middle_departs_a_little(evidence: Evidence) -> Judgement:
 
 @_judge
 def _terminal_larger_at_approach(evidence: Evidence) -> Judgement:
+    """Judge whether the 500 nm bead is slower than its terminal speed at the first closest
+    approach.
+    """
     at = evidence.of_run("500nm", _ratio_at_approach)
     told = f"{at['thesis']:.2g}; unscaled {at['unscaled']:.4g}"
     return judged(told, lambda which: at[which] < 0.99, ratio=at)
@@ -408,6 +468,9 @@ def _terminal_larger_at_approach(evidence: Evidence) -> Judgement:
 
 @_judge
 def _actual_larger_at_approach(evidence: Evidence) -> Judgement:
+    """Judge whether the 990 nm bead is faster than its terminal speed at the first closest
+    approach.
+    """
     at = evidence.of_run("990nm", _ratio_at_approach)
     told = f"{at['thesis']:.2g}; unscaled {at['unscaled']:.4g}"
     return judged(told, lambda which: at[which] > 1.01, ratio=at)
@@ -415,7 +478,13 @@ def _actual_larger_at_approach(evidence: Evidence) -> Judgement:
 
 @_judge
 def _middle_is_faster(evidence: Evidence) -> Judgement:
+    """Judge whether the 990 nm bead is faster than its terminal speed at most samples."""
+
     def part(run: xr.Dataset) -> float:
+        """Return the fraction of samples with a speed above the terminal speed by more than 0.1 %.
+
+        Samples at which the bead is practically at rest do not count as faster.
+        """
         speed, terminal = run["speed"].values[1:], run["terminal_speed"].values[1:]
         at_rest = terminal < _AT_REST * terminal.max()
         return float(np.mean((speed > 1.001 * terminal) & ~at_rest))
@@ -430,7 +499,10 @@ def _middle_is_faster(evidence: Evidence) -> Judgement:
 
 @_judge
 def _overdamped_fails(evidence: Evidence) -> Judgement:
-    """5.3: (5.2) does not predict the 500 nm bead."""
+    """Judge whether the overdamped equation (5.2) fails for the 500 nm bead.
+
+    It fails if its path is more than a tenth of a radius off that of the model at some time.
+    """
     samples = evidence.run("unscaled", "500nm").sizes["time"]
     overdamped = simulate(
         evidence.unscaled_scene("500nm").replace(
@@ -451,7 +523,10 @@ def _overdamped_fails(evidence: Evidence) -> Judgement:
 
 @_judge
 def _longer_steps(evidence: Evidence) -> Judgement:
-    """Dormand-Prince at the thesis's tolerances, with and without the scaling."""
+    """Judge whether scaling makes the mean step of Dormand-Prince more than five times longer.
+
+    Both motions have the thesis's tolerances and rotate; the unscaled one is integrated for 0.1 ms.
+    """
     gain = {}
     times = np.array([0.0, 1e-4])
     for bead in BEADS:
@@ -466,6 +541,9 @@ def _longer_steps(evidence: Evidence) -> Judgement:
 
 @_judge
 def _accurate(evidence: Evidence) -> Judgement:
+    """Judge whether the scaled motion is within a tenth of a radius of the unscaled one at all
+    times.
+    """
     off = evidence.each("thesis", lambda run: float(run.attrs["model_error"]))
     return judged(
         f"off by up to {in_words(off, 'um')}",
@@ -476,6 +554,9 @@ def _accurate(evidence: Evidence) -> Judgement:
 
 @_judge
 def _steady_flow(evidence: Evidence) -> Judgement:
+    """Judge whether fluid inertia, which Stokes's law omits, shifts the bead by a tenth of a
+    radius.
+    """
     off = {bead: motions.shift_by_memory for bead, motions in evidence.motions.items()}
     overshoot = evidence.overshoot("remembering")
     return judged(
@@ -488,6 +569,10 @@ def _steady_flow(evidence: Evidence) -> Judgement:
 
 @_judge
 def _first_guess(evidence: Evidence) -> Judgement:
+    """Judge whether a2 = epsilon keeps the scaled motion within a radius of the unscaled one.
+
+    epsilon (4.6) is the velocity relaxation time m/beta_v in the thesis's unit of time, 1 ms.
+    """
     ratio, off = {}, {}
     for bead in BEADS:
         epsilon = evidence.motions[bead].properties.relaxation_time / factor("ms")
@@ -504,10 +589,12 @@ def _first_guess(evidence: Evidence) -> Judgement:
 
 @_judge
 def _hidden_start(evidence: Evidence) -> Judgement:
-    """1.2, 5.1: the start in N3 from what the camera sees.
+    """Judge whether the height of release follows from what the camera sees (1.2, 5.1).
 
-    Of the smallest bead three tracks in four tell it, by the benchmark of 200 (docs/benchmarks.md):
-    most of five do in 19 draws of 20, and all but one in two draws of three.
+    It does if `fit_depth` determines it from most of five tracks of each bead, and its interval
+    contains the true height. For the smallest bead it does so for three tracks in four, by the
+    benchmark of 200 (docs/benchmarks.md): for most of five in 19 draws of 20, for all but one in
+    two draws of three.
     """
     rng = np.random.default_rng(_CAMERA_SEED)
     off, half, hits = {}, {}, {}
@@ -533,7 +620,10 @@ def _hidden_start(evidence: Evidence) -> Judgement:
 
 
 def _tracks(motions: Motions, rng: np.random.Generator) -> list[Track]:
-    """Track of the unscaled bead, seen by a camera from release to capture."""
+    """Return five tracks of the unscaled bead with thermal motion, from release to capture.
+
+    Each has 60 frames and 10 nm of camera noise. motions: of the bead. rng: source of the noise.
+    """
     scene = unscaled_scene(motions.bead, motions.theory).replace(
         forces={"brownian": True},
         simulation={
@@ -552,6 +642,11 @@ def _tracks(motions: Motions, rng: np.random.Generator) -> list[Track]:
 
 @_judge
 def _printed_numbers(_evidence: Evidence) -> Judgement:
+    """Judge whether mass, inertia, drag and Knudsen number of the 500 nm bead agree with the
+    thesis.
+
+    Each is compared in the printed unit: value, printed number, and half its last digit.
+    """
     bead = bead_properties(load_scene("thesis-500nm"))
     computed = {
         "m, pg": (bead.mass / factor("pg"), 0.0687, 5e-5),
@@ -575,6 +670,7 @@ def _printed_numbers(_evidence: Evidence) -> Judgement:
 
 @_judge
 def _rays(_evidence: Evidence) -> Judgement:
+    """Judge whether the grid divides the beam into the 7645 rays of the thesis."""
     scene = load_scene("thesis-500nm")
     rays = grid(scene.lens, scene.beam, scene.medium).powers.size
     return judged(f"{rays}", {"thesis": rays == 7645}, rays=rays)
@@ -582,8 +678,10 @@ def _rays(_evidence: Evidence) -> Judgement:
 
 @_judge
 def _light_turns(evidence: Evidence) -> Judgement:
+    """Judge whether the light turns the bead by more than a milliradian, by (3.25)."""
+
     def turned(run: xr.Dataset) -> float:
-        """Largest angle from the start, rad."""
+        """Return the largest angle between the orientation and that at release, rad."""
         e0 = run["orientation"].values @ run["orientation"].values[0]
         return float(2 * np.arccos(np.minimum(np.abs(e0), 1.0)).max())
 

@@ -40,12 +40,12 @@ _WORK = {"motions": 15.0, "waves": 2.0, "memory": 3.0, "claims": 25.0, "study": 
 
 @dataclass(frozen=True)
 class Reproduction:
-    """Results of `reproduce`."""
+    """Results of `reproduce`: files written, and claims judged."""
 
     files: list[Path]
-    """files written, in this order"""
+    """paths of the files in the order of writing"""
     claims: list[Claim]
-    """empty if they were not requested"""
+    """claims with their verdicts; empty if they were not requested"""
 
 
 def reproduce(
@@ -91,6 +91,7 @@ def reproduce(
     done = 0.0
 
     def did(work: float) -> None:
+        """Report that `work`, in units of a figure, is finished."""
         nonlocal done
         done += work
         if progress:
@@ -125,12 +126,14 @@ def reproduce(
 
 
 def _save(figure: Figure, path: Path) -> Path:
+    """Write a figure as PNG, replacing a file as a whole, and return its path."""
     with replacing(path) as whole:
         style.save(figure, whole, "png")
     return path
 
 
 def _write_claims(found: Sequence[Claim], folder: Path) -> list[Path]:
+    """Write the claims as claims.json and claims.md, and return the paths."""
     heading = ("where", "claim", "taken as", "computed", "verdict", "by waves")
     rows = [
         (
@@ -143,13 +146,16 @@ def _write_claims(found: Sequence[Claim], folder: Path) -> list[Path]:
 
 
 def _by_waves(claim: Claim) -> str:
+    """Return the result and verdict of a claim with light as waves, or why there is none, for a
+    table.
+    """
     if isinstance(claim.by_waves, Claim):
         return f"{claim.by_waves.computed}: **{claim.verdict_by_waves}**"
     return claim.verdict_by_waves
 
 
 def _entry(claim: Claim) -> dict[str, Any]:
-    """Entry of a claim; of the same by waves only what differs."""
+    """Return a claim as a JSON object; with only the entries that can differ by waves."""
     entry = dataclasses.asdict(claim) | {"verdict": claim.verdict}
     if isinstance(claim.by_waves, Claim):
         of_waves = _entry(claim.by_waves)
@@ -159,6 +165,7 @@ def _entry(claim: Claim) -> dict[str, Any]:
 
 
 def _write_captures(found: Sequence[Capture], folder: Path) -> list[Path]:
+    """Write the captures as waves.json and waves.md, and return the paths."""
     heading = (
         "bead, light", "at rest to 20 nm after", "overshoot", "rests beyond the focus by",
         "stiffness across", "stiffness along",
@@ -176,6 +183,7 @@ def _write_captures(found: Sequence[Capture], folder: Path) -> list[Path]:
 
 
 def _write_remembered(found: Sequence[Remembered], folder: Path) -> list[Path]:
+    """Write the effect of fluid inertia as memory.json and memory.md, and return the paths."""
     entries = [dataclasses.asdict(each) for each in found]
     for entry in entries:
         for scaled in entry["scaled"]:
@@ -197,13 +205,14 @@ def _write_remembered(found: Sequence[Remembered], folder: Path) -> list[Path]:
 
 
 def _fate(scaled: Scaled) -> str:
+    """Return the outcome of a scaled bead in words; of a captured one its overshoot, if any."""
     if scaled.outcome != "captured":
         return scaled.outcome
     return f"overshoots by {_nanometres(scaled.overshoot)} nm" if scaled.overshoot else "captured"
 
 
 def _nanometres(length: float) -> str:
-    """In nm, to two digits or whole numbers."""
+    """Return a length, m, as text in nm: whole numbers above 10 nm, else two digits."""
     return f"{per('nm') * length:{'.0f' if length > 1e-8 else '.2g'}}"
 
 
@@ -214,7 +223,10 @@ def _write_table(
     rows: Sequence[Sequence[str]],
     folder: Path,
 ) -> list[Path]:
-    """Write the entries as NAME.json and the rows as NAME.md."""
+    """Write entries as NAME.json and rows below a heading as a Markdown table NAME.md.
+
+    Returns both paths.
+    """
     as_json, as_table = folder / f"{name}.json", folder / f"{name}.md"
     write_json(entries, as_json)
     lines = [
@@ -227,6 +239,7 @@ def _write_table(
 
 
 def _write_study(found: Study, folder: Path) -> list[Path]:
+    """Write the study as study.json (without the paths) and study.png, and return both paths."""
     as_json = folder / "study.json"
     variants = [
         {
