@@ -55,7 +55,10 @@ _CORNERS = 60
 
 
 def jumping(drive: Array) -> float:
-    """Return the fraction of a stage's path (n,), m, in steps much longer than their neighbours."""
+    """Return the fraction of a stage's path that it covers in steps longer than their neighbours.
+
+    `drive` (n,), m, are the positions of the stage.
+    """
     way = np.abs(np.diff(drive))
     beside = np.maximum(np.append(way[1:], 0.0), np.append(0.0, way[:-1]))
     jumps = way[(way > _JUMP * np.ptp(drive)) & (way > _ALONE * beside)]
@@ -63,36 +66,37 @@ def jumping(drive: Array) -> float:
 
 
 class _Bands(NamedTuple):
-    """The response in bands of frequencies."""
+    """Response of a bead to its stage in the bands of frequencies in which the stage moves."""
 
     frequencies: Array
-    """(bands,) Hz, mean of those at which the stage moves"""
+    """(bands,) Hz, mean of the frequencies at which the stage moves, weighted by its power"""
     response: Complex
-    """(bands,) signal by motion of the stage"""
+    """(bands,) complex ratio of signal to motion of the stage: V/m, or a number for m"""
     uncertainty: Array
-    """(bands,) standard uncertainty of its real and of its imaginary part"""
+    """(bands,) standard uncertainty of the real and of the imaginary part of the response"""
     stage: Array
-    """(bands,) m, amplitude of one oscillation of that power"""
+    """(bands,) m, amplitude of a single oscillation with the power of the stage in the band"""
     ends: Array
-    """(bands, 2) Hz"""
+    """(bands, 2) Hz, lowest and highest frequency of each band"""
 
 
 @dataclass(frozen=True)
 class Followed:
-    """A signal and what in it follows the stage."""
+    """Signal of a bead, separated into its answers to the stage and the remaining motion."""
 
     still: Array
-    """(n,) the signal without it, about its mean"""
+    """(n,) m or V, the signal about its mean without the motion that follows the stage"""
     answers: tuple[Answer, ...]
-    """in the bands in which it is seen"""
+    """answers in the bands in which the bead visibly follows the stage"""
     noise: tuple[float, ...] = ()
-    """Hz, of bands in which the sensor of the stage sees what the bead does not follow"""
+    """Hz, mean frequencies of bands in which the stage's sensor sees motion, but the bead does not
+    follow"""
 
     @classmethod
     def of(
         cls, signal: Array, stage: Array, step: float, known: Sequence[Answer] = (), *, steady: bool
     ) -> Followed:
-        """Return the part of a signal that follows a stage.
+        """Separate a signal into the part that follows a stage and the remainder.
 
         The response in bands in which the bead is not visible follows from the other bands.
 
@@ -118,7 +122,8 @@ class Followed:
         followed = np.zeros_like(first)
         for _ in range(_ROUNDS):
             bead = _Nearest.to(bands, first | followed, known, step)
-            # by what is expected: chance would choose those that are too large
+            # select bands by their expected, not their measured, response: a measured one that is
+            # too large by chance would be selected more often
             expected = np.abs(bead.moved(bands.frequencies))
             noise = absent & (expected > _FORETOLD * bands.uncertainty)
             followed = (expected > _SEEN * bands.uncertainty) & ~noise
@@ -133,7 +138,10 @@ class Followed:
 
 
 def _waves(series: Array) -> Complex:
-    """Fourier components of a series about its mean, faded in and out."""
+    """Return the Fourier components (n//2 + 1,) of a series (n,) about its mean, faded at its ends.
+
+    The fading (Tukey window) suppresses leakage from the ends. The unit is that of the series.
+    """
     from scipy.fft import rfft
     from scipy.signal.windows import tukey
 
@@ -141,23 +149,36 @@ def _waves(series: Array) -> Complex:
 
 
 def _white(power: Array) -> float:
-    """Mean power of the white noise of a stage's sensor, by the frequencies that are quietest."""
+    """Return the mean power of the white noise of a stage's sensor.
+
+    `power` are the squared Fourier components of the stage. The noise follows from the tenth of
+    the frequencies with the least power, as medians over `_AROUND` neighbours.
+    """
     from scipy.ndimage import median_filter
 
     return float(np.quantile(median_filter(power, _AROUND, mode="nearest"), 0.1)) / _QUIET
 
 
 def _stands_out(power: Array, noise: float) -> NDArray[np.bool_]:
-    """Return whether ordinates are above what the largest of that noise may be."""
+    """Return which ordinates of `power` exceed the largest one that white noise may have.
+
+    `noise` is the mean power of the noise, in the unit of `power`; the result has their shape.
+    """
     return np.asarray(power > noise * (math.log(len(power)) + _CERTAIN))
 
 
 def _bands(signal: Array, stage: Array, step: float, highest: float) -> _Bands:
+    """Return the response of a signal to its stage in bands up to the frequency `highest`, Hz.
+
+    `signal` (n,), m or V, and `stage` (n,), m, are sampled every `step`, s. Bands without motion of
+    the stage are left out. The response is the least-squares ratio of the Fourier components, the
+    noise of the stage's sensor subtracted from its power.
+    """
     of_stage, of_signal = _waves(stage), _waves(signal)
     frequencies = np.arange(len(of_stage)) / (len(stage) * step)
     power = np.abs(of_stage) ** 2
     of_sensor = _white(power)
-    moved = _stands_out(power, of_sensor)
+    moved = _stands_out(power, of_sensor)  # frequencies at which the stage moves
     moved[0] = False
     edges = [1]
     while edges[-1] < np.searchsorted(frequencies, highest):
@@ -169,7 +190,7 @@ def _bands(signal: Array, stage: Array, step: float, highest: float) -> _Bands:
         used = within[moved[within]]
         if not used.size:
             continue
-        S, X = of_stage[used], of_signal[used]
+        S, X = of_stage[used], of_signal[used]  # Fourier components of stage and signal
         total = float(power[used].sum()) - used.size * of_sensor
         response = complex(np.vdot(S, X) / total)
         rest = of_signal[within].copy()
@@ -192,7 +213,12 @@ def _bands(signal: Array, stage: Array, step: float, highest: float) -> _Bands:
 
 
 def _smooth(squares: Array, freedom: Array) -> Array:
-    """Mean squares of bands, each with as many neighbours as it takes for enough ordinates."""
+    """Return the thermal power of each band, (bands,), averaged with that of its neighbours.
+
+    `squares` (bands,) are sums of squared Fourier components without the response, and `freedom`
+    (bands,) the numbers of ordinates in them. A band is joined by as many neighbours on both sides
+    as give `_FREEDOM` ordinates.
+    """
     means = np.empty(len(squares))
     for i in range(len(squares)):
         beside = 0
@@ -205,17 +231,17 @@ def _smooth(squares: Array, freedom: Array) -> Array:
 
 
 class _Nearest(NamedTuple):
-    """The overdamped bead whose response is nearest to a measured one."""
+    """Overdamped bead with a delayed signal, whose response is nearest to a measured one."""
 
     corner: float
-    """Hz"""
+    """corner frequency of the trap, Hz"""
     late: float
-    """s, by which the signal is behind"""
+    """delay of the signal behind the motion of the stage, s"""
     by_position: float
-    """signal by position"""
+    """ratio of signal to position of the bead: V/m, or a number for a signal in m"""
 
     def moved(self, frequencies: Array) -> Complex:
-        """Signal by the motion of the stage, at frequencies (Hz)."""
+        """Return the complex ratio of signal to motion of the stage at `frequencies` (n,), Hz."""
         follows = 1j * frequencies / (1j * frequencies + self.corner)
         late = np.exp(-2j * np.pi * frequencies * self.late)
         return np.asarray(self.by_position * follows * late)
@@ -224,11 +250,11 @@ class _Nearest(NamedTuple):
     def to(
         cls, bands: _Bands, seen: NDArray[np.bool_], known: Sequence[Answer], step: float
     ) -> _Nearest:
-        """Return the nearest bead by least squares, with a delay of about a step.
+        """Return the bead whose response is nearest to measured ones, by least squares.
 
-        It is that nearest to the `seen` bands and to the `known` answers.
-
-        Far below the corner frequency, a delay differs from the relaxation time only by its size.
+        The measured responses are those of the bands that are marked in `seen` (bands,), and the
+        `known` answers at other frequencies. The delay is expected to be about one `step`, s. Far
+        below the corner frequency, a delay differs from the relaxation time only by its size.
         """
         f = np.append(bands.frequencies[seen], [each.frequency for each in known])
         response = np.append(bands.response[seen], [each.response for each in known])
@@ -254,9 +280,11 @@ class _Nearest(NamedTuple):
 
 
 def _motion(stage: Array, step: float, signal: Array, bead: _Nearest, noise: Array) -> Array:
-    """Return the motion (n,) of an overdamped bead on the stage, from the signal's first sample.
+    """Return the part (n,) of a bead's signal that follows the stage, about its mean.
 
-    `noise` (bands, 2), Hz, contains the ends of the bands with noise of the stage sensor.
+    The response of `bead` multiplies the Fourier components of `stage` (n,), m, sampled every
+    `step`, s. The decay of earlier motion is fitted to `signal` (n,) at its beginning. `noise`
+    (bands, 2), Hz, contains the ends of the bands with noise of the stage's sensor.
     """
     from scipy.fft import irfft, next_fast_len, rfft
 
@@ -274,7 +302,7 @@ def _motion(stage: Array, step: float, signal: Array, bead: _Nearest, noise: Arr
     of_sensor = _white(power)
     moves = _stands_out(power, of_sensor) & ~within(frequencies, noise)
     waves[~moves] = 0.0
-    waves[moves] *= 1 - of_sensor / power[moves]
+    waves[moves] *= 1 - of_sensor / power[moves]  # Wiener's filter of the sensor's noise
     waves *= bead.moved(frequencies)
     moved = irfft(waves, length)[before : before + n]
     # what the stage did before the record is left in it for a while

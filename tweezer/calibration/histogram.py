@@ -72,7 +72,7 @@ class Potential(Result):
             yield MINIMUM(self.minimum)
 
     def card(self) -> Card:
-        """Its reach, and the parabola."""
+        """Card with the number and range of the bins, the highest energy and the trap stiffness."""
         low, high = self.coordinates[[0, -1]]
         bottom = self.numbers.get(BOTTOM.name)
         rows = (
@@ -148,7 +148,7 @@ def potential(
     stiffness = uncertainty = minimum = None
     parabola = _parabola(at, height)
     if parabola is not None:
-        (a, b, c), lowest, influence = parabola
+        (a, b, c), lowest, influence = parabola  # coefficients, fitted bins, d(curvature)/d(height)
         height = height - (c - b**2 / (4 * a))
         stiffness = float(2 * a * (1 + 2 * a * width**2 / 12) * kT / deviation**2)
         minimum = float(centre - deviation * b / (2 * a))
@@ -160,9 +160,10 @@ def potential(
 
 
 def _counts_of_blocks(bins: NDArray[np.int64], count: int) -> Array:
-    """Part of each block's samples in each bin, (count, blocks), of a record's bins (n,).
+    """Return the fraction of each block's samples that is in each bin, (count, blocks).
 
-    The blocks are successive and equal; the last samples may be left.
+    `bins` (n,) contains the number of the bin of each sample, from 0 to `count` - 1. The blocks are
+    successive parts of the recording with equal lengths; the last samples may be left out.
     """
     length = math.ceil(bins.size * count / _CELLS)
     blocks = bins.size // length
@@ -202,16 +203,23 @@ def resolution_of(positions: Array) -> float:
 
 
 def _recorded_value(positions: Array, step: float) -> float:
-    """Return one value of a digitised recording, from the mean phase within its step."""
+    """Return one of the values, m, that a digitised recording can have.
+
+    `positions` (n,) and the distance `step` of two values have the same unit. The value follows
+    from the mean phase of the positions within a step, so that rounding errors average out.
+    """
     some = positions[:: -(-len(positions) // _LOOKED_AT)] - positions[0]
     phase = np.angle(np.exp(2j * np.pi * some / step).mean())
     return float(positions[0] + step * phase / (2 * np.pi))
 
 
 def _parabola(at: Array, height: Array) -> tuple[Array, NDArray[np.int64], Array] | None:
-    """Coefficients of the parabola at the bottom, its bins, and d(curvature)/d(height).
+    """Fit a x^2 + b x + c to the bottom of a potential, up to `_PARABOLA` above it.
 
-    Weights and bins follow from a first parabola, so that they depend little on the noise.
+    `at` (bins,) are the centres x of the bins, in standard deviations of the position, and `height`
+    (bins,) the energies, in k_B T. Returns a, b and c (3,), the numbers of the fitted bins, and the
+    derivatives of the curvature 2 a by the heights of these bins; None without a minimum, or with
+    too few bins. Weights and bins follow from a first parabola, so they depend little on noise.
     """
     if not at.size:
         return None
@@ -223,6 +231,7 @@ def _parabola(at: Array, height: Array) -> tuple[Array, NDArray[np.int64], Array
         )
         if low.size < _LEAST_BINS:
             return None
+        # square root of the weights, which are the expected counts exp(-height)
         root = np.exp(-np.clip(fitted[low], 0, None) / 2)
         solution = np.linalg.pinv(np.vander(at[low], 3) * root[:, None]) * root
         coefficients = solution @ height[low]

@@ -25,7 +25,11 @@ _FORGOTTEN = 20.0
 
 
 def lags_of(samples: int, step: float, bead: TrappedBead) -> NDArray[np.int64]:
-    """Lags of a fit in time, in samples."""
+    """Return the lags of a fit in time, in samples, about evenly spaced in their logarithm.
+
+    They are from 0.1 to 2 relaxation times of `bead`, and at most a quarter of the `samples`, which
+    are taken every `step`, s.
+    """
     shortest, longest = (lags * bead.relaxation_time / step for lags in _LAGS)
     most = samples // 4
     ends = min(max(shortest, 1), most - 3), min(max(longest, 3), most)
@@ -40,9 +44,11 @@ def displacement(
     missing: Missing,
     drag_known: bool,
 ) -> tuple[float, float]:
-    """Stiffness by mean squared displacements, and its standard uncertainty, N/m.
+    """Return the stiffness from mean squared displacements, and its standard uncertainty, N/m.
 
-    missing: of the motion of that bead in the record.
+    `positions` (n,), m, are sampled every `step`, s. The fit starts at `bead` and uses the `lags`,
+    in samples. `missing` is the part of the bead's motion that was left out of the positions. The
+    drag is fitted too, unless `drag_known`.
     """
     lost = 2 * (missing.variances.sum() - missing.autocovariance(lags * step)) / bead.variance
 
@@ -62,9 +68,11 @@ def displacement(
 def autocorrelation(
     positions: Array, step: float, bead: TrappedBead, lags: NDArray[np.int64], missing: Missing
 ) -> tuple[float, float]:
-    """Stiffness by the rate of decay; without lag 0, the only one with white noise.
+    """Return the stiffness from the decay of the autocorrelation, and its uncertainty, N/m.
 
-    missing: of the motion of that bead in the record.
+    The arguments are `positions` (n,), m, sampled every `step`, s, the `bead` at which the fit
+    starts, the `lags`, in samples, and the part of the motion that is `missing` in the positions.
+    Lag 0, the only one to which white noise adds, is not among them. The variance is fitted too.
     """
     lost = bead.variance_of_mean(step, len(positions)) + missing.autocovariance(lags * step)
     lost = lost / bead.variance
@@ -81,16 +89,23 @@ def autocorrelation(
 
 
 Covariance = Callable[[NDArray[np.int64]], Array]
-"""of two positions, by lag"""
+"""Function from lags in samples, of any sign, to the covariance of two positions, m^2."""
 
 
 def of_squared_displacements(C: Covariance, s: NDArray[np.int64], i: int, j: int) -> Array:
-    """Covariance of two squared displacements, of lags i and j, that start s samples apart."""
+    """Return the covariance, m^4, of two squared displacements over i and j samples.
+
+    They start `s` samples apart (an array), and C is the covariance of two positions by their lag.
+    """
     return 2 * (C(s + j - i) - C(s - i) - C(s + j) + C(s)) ** 2
 
 
 def of_products(C: Covariance, s: NDArray[np.int64], i: int, j: int) -> Array:
-    """Covariance of two products of positions, of lags i and j, that start s samples apart."""
+    """Return the covariance, m^4, of two products of positions that are i and j samples apart.
+
+    The products start `s` samples apart (an array), and C is the covariance of two positions by
+    their lag.
+    """
     return C(s) * C(s + j - i) + C(s + j) * C(s - i)
 
 
@@ -102,10 +117,11 @@ def covariance_of_averages(
     of_one: Callable[[Covariance, NDArray[np.int64], int, int], Array],
     missing: Missing,
 ) -> Array:
-    """Covariance (lags, lags) of averages over the record.
+    """Return the covariance (lags, lags), m^4, of averages over a recording at several lags.
 
-    of_one: covariance of two averaged terms, of lags i and j, that start s samples apart
-    (Isserlis's theorem).
+    Each average is over all pairs of positions that are a lag apart, of `samples` positions every
+    `step`, s. `of_one`, such as `of_products`, returns the covariance of two of the averaged terms
+    (Isserlis's theorem). `missing` is the part of the bead's motion that the recording lacks.
     """
     longest = int(lags[-1])
     reach = min(samples, math.ceil(_FORGOTTEN * bead.relaxation_time / step)) + longest
@@ -124,14 +140,15 @@ def covariance_of_averages(
 def _least_squares(
     values: Array, covariance: Array, predicted: Callable[[Array], Array], start: Array
 ) -> tuple[float, float]:
-    """The stiffness that is best for `values`, and its standard uncertainty, N/m.
+    """Return the stiffness that fits `values` best, and its standard uncertainty, N/m.
 
-    Its logarithm is the first parameter. The uncertainty uses the slopes at the start of the fit,
-    as the covariance does.
+    `values` (n,) have the `covariance` (n, n), and `predicted` returns their expectations for the
+    logarithms of the parameters, the first of which is the stiffness, N/m. `start` has the first
+    guess of these logarithms. The uncertainty uses the slopes there, as the covariance does.
     """
     size = np.sqrt(np.diag(covariance))
     correlation = covariance / np.outer(size, size) + 1e-10 * np.eye(size.size)
-    root = cholesky(correlation, lower=True)
+    root = cholesky(correlation, lower=True)  # residuals over it are independent
 
     def residuals(parameters: Array) -> Array:
         return solve_triangular(root, (values - predicted(parameters)) / size, lower=True)

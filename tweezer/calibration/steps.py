@@ -25,8 +25,11 @@ EXACT = 1e-5
 class Steps:
     """Steps of one coordinate between jumps and gaps, as sums over blocks of frequencies.
 
-    The spectrum of the steps at the angle a is A (1 + cos a)/2 + B (1 - cos a)/2, in units of the
-    mean squared step, with A = 2 D dt and B = A + 4 s. Each track has its own drift.
+    The power of the steps at the angle phi = 2 pi frequency dt, from 0 to pi, is
+    A (1 + cos phi)/2 + B (1 - cos phi)/2. A = 2 D dt is the power at low frequencies (D: diffusion
+    coefficient, dt: sampling interval), and B = A + 4 s the power at Nyquist's frequency (-s:
+    covariance of successive steps). The methods take a = ln A and b = ln B, with A and B in units
+    of `square`. Each track has its own drift.
 
     Parameters
     ----------
@@ -58,7 +61,7 @@ class Steps:
         for piece, track in zip(pieces, tracks, strict=True):
             n = len(piece)
             angle = np.pi * np.arange(1, n + 1) / (n + 1)
-            # of a steady drift: the transform of ones
+            # sine transform of a piece of ones, as which a steady drift appears
             ones = np.sqrt(2 / (n + 1)) / np.tan(angle / 2) * (np.arange(1, n + 1) % 2)
             ordinate = dst(piece, type=1, norm="ortho")
             frequency = angle / (2 * np.pi * step)
@@ -68,7 +71,7 @@ class Steps:
         order = np.argsort(angle, kind="stable")
         self.track = of[order].astype(int)
         self.ordinates, self.ones = ordinate[order] / math.sqrt(self.square), ones[order]
-        self.share = (1 + np.cos(angle[order])) / 2
+        self.share = (1 + np.cos(angle[order])) / 2  # of A in the power; that of B is 1 - share
         n = len(order)
         starts = np.arange(n)
         if n > 2 * _BLOCKS:
@@ -80,10 +83,10 @@ class Steps:
         self._cross, self._drift = np.zeros((2, 1 + max(tracks), len(starts)))
         np.add.at(self._cross, (self.track, block), self.ordinates * self.ones)
         np.add.at(self._drift, (self.track, block), self.ones**2)
-        self._near = 0.0  # ln B of the last fit
+        self._near = 0.0  # ln B of the last fit, from which the next one starts
 
     def misfit(self, a: float, b: float) -> float:
-        """-2 times the log-likelihood with any drifts, of ln A and ln B."""
+        """Return -2 log(likelihood) for a = ln A and b = ln B, integrated over all drifts."""
         spectrum = math.exp(a) * self._share + math.exp(b) * (1 - self._share)
         per = 1 / spectrum
         of_drift = self._drift @ per
@@ -91,12 +94,16 @@ class Steps:
         return float(value - ((self._cross @ per) ** 2 / of_drift - np.log(of_drift)).sum())
 
     def best(self, a: float) -> tuple[float, float]:
-        """The smallest misfit with that ln A, and its ln B: by Fisher's scoring, or by search."""
+        """Return the smallest misfit for a = ln A over all B, and ln B at this minimum.
+
+        Fisher's scoring finds ln B in a few steps. If it does not converge, a bounded search over
+        ln(B/A) does.
+        """
         A, b = math.exp(a), self._near if abs(self._near - a) < _NOISY[1] else a
         for _ in range(_SCORINGS):
-            of_b = math.exp(b) * (1 - self._share)
+            of_b = math.exp(b) * (1 - self._share)  # the part of B in the power of each block
             per = 1 / (A * self._share + of_b)
-            slope = of_b * per
+            slope = of_b * per  # derivative of the logarithm of the power by ln B
             again = slope * per
             of_drift, cross = self._drift @ per, self._cross @ per
             change = self._counts @ slope - self._squares @ again
@@ -114,23 +121,27 @@ class Steps:
         return float(found.fun), a + float(found.x)
 
     def information(self, a: float, b: float) -> Array:
-        """Fisher's, of ln A and ln B, (2, 2)."""
+        """Return Fisher's information on ln A and ln B, (2, 2), for a = ln A and b = ln B."""
         A, B = math.exp(a), math.exp(b)
         spectrum = A * self._share + B * (1 - self._share)
         slopes = np.stack([A * self._share, B * (1 - self._share)]) / spectrum
         return np.asarray((slopes * self._counts) @ slopes.T / 2)
 
     def drifts(self, a: float, b: float) -> tuple[Array, Array]:
-        """Return the drift of each track, m/s, and its standard uncertainty."""
+        """Return the drift of each track and its standard uncertainty, m/s, for a = ln A, b = ln B.
+
+        A drift is the weighted mean of the track's steps over the sampling interval.
+        """
         per = 1 / (math.exp(a) * self._share + math.exp(b) * (1 - self._share))
         of_drift = self._drift @ per
         unit = math.sqrt(self.square) / self.step
         return unit * (self._cross @ per) / of_drift, unit / np.sqrt(of_drift)
 
     def ratios(self, a: float, b: float) -> tuple[Array, Array]:
-        """Return squares over their expectations by frequency, and the mean of each ratio.
+        """Return the squared ordinates over their expectations, and the mean of each such ratio.
 
-        A ratio has one degree of freedom, less what the drift of its track takes of it.
+        Both have one number per ordinate, in the order of frequency, for a = ln A and b = ln B.
+        A ratio has one degree of freedom, less the part that fitting the drift of its track takes.
         """
         drifts, errors = self.drifts(a, b)
         unit = self.step / math.sqrt(self.square)

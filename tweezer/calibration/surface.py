@@ -40,39 +40,39 @@ _DIFFERENCE = 1e-5
 
 @dataclass(frozen=True, repr=False)
 class Surface(Result):
-    """A wall, found by the drag beside it."""
+    """Wall beside a bead, located by the drag of the bead at several positions of the focus."""
 
     QUANTITIES: ClassVar = (WALL, SHIFT, FAR_DRAG)
 
     position: float
-    """that of the focus at which the bead's centre would be in the wall, m"""
+    """position of the focus at which the bead's centre would be in the wall, m"""
     uncertainty: float
-    """its standard uncertainty, m"""
+    """standard uncertainty of `position`, m"""
     shift: float
-    """how far the bead moves by a unit of the focus's position"""
+    """distance that the bead moves over the distance that the focus position changes, a number"""
     shift_uncertainty: float | None
-    """its standard uncertainty; None if it is given"""
+    """standard uncertainty of `shift`; None if the shift is given"""
     drag: float
-    """of the bead far from the wall, kg/s"""
+    """drag of the bead far from the wall, kg/s"""
     drag_uncertainty: float | None
-    """its standard uncertainty, kg/s; None if it is given"""
+    """standard uncertainty of `drag`, kg/s; None if the drag is given"""
     heights: tuple[Height, ...]
-    """of the bead in each recording"""
+    """height of the bead above the wall in each recording"""
     recordings: tuple[str, ...]
-    """those whose drag was used: nothing speaks against them"""
+    """names of the recordings whose drag was used, which have no findings"""
     p_value: float | None
-    """probability of drags further apart, by chi-square; None with as many parameters as drags"""
+    """probability of drags that deviate more, by chi-square; None without degrees of freedom"""
     findings: tuple[Finding, ...]
     """reasons not to trust it; empty if there are none"""
 
     def quantities(self) -> Iterator[Measured]:
-        """Place of the wall, focal shift, and drag far from the wall."""
+        """Yield the wall position, the focal shift and the drag far from the wall."""
         yield WALL(self.position, self.uncertainty, *(each.text for each in self.findings))
         yield SHIFT(self.shift, self.shift_uncertainty)
         yield FAR_DRAG(self.drag, self.drag_uncertainty)
 
     def card(self) -> Card:
-        """Place of the wall, shift, drag, heights."""
+        """Card with wall position, focal shift, drag and p-value, and a table of heights."""
         wall, shift, drag = self.quantities()
         rows = [wall.row(), shift.row()._replace(value=f"{shift.words} of that"), drag.row()]
         if self.p_value is not None:
@@ -187,20 +187,26 @@ def find_wall(
 
 @dataclass(frozen=True)
 class _Drags:
-    """Measured drags."""
+    """Measured drags of a bead along all axes, at several positions of the focus."""
 
     positions: Array
-    """(drags,) of the focus, m"""
+    """(drags,) position of the focus at which each drag was measured, m"""
     axes: tuple[str, ...]
+    """axis along which each drag was measured"""
     logarithms: Array
-    """(drags,) of kg/s"""
+    """(drags,) logarithms of the drags in kg/s"""
     errors: Array
-    """(drags,) standard uncertainties of these"""
+    """(drags,) standard uncertainties of the logarithms"""
     recordings: tuple[str, ...]
+    """names of the recordings with at least one of the drags"""
 
     @classmethod
     def of(cls, calibrations: Sequence[Calibration], positions: Array) -> _Drags:
-        """Those that nothing speaks against, but that they are not those far from a wall."""
+        """Return the fitted drags of calibrations that have no findings along their axis.
+
+        A finding that the drag differs from the given one is allowed, as walls change the drag.
+        `positions` (calibrations,), m, are those of the focus.
+        """
         rows = [
             (position, axis.axis, float(drag.value), float(drag.errors), each.name)
             for each, position in zip(calibrations, positions, strict=True)
@@ -219,40 +225,48 @@ class _Drags:
 
 @dataclass(frozen=True)
 class _Fit:
-    """Least squares of the logarithms of drags."""
+    """Least-squares fit of a wall to the logarithms of measured drags.
+
+    Its parameters are the logarithms of the smallest gap between bead and wall (in radii), of the
+    focal shift and of the drag far from the wall (kg/s). `unknowns`, an argument of many methods,
+    contains those that are not given, in this order.
+    """
 
     drags: _Drags
     nearest: float
-    """smallest position, m"""
+    """smallest position of the focus, m, at which the gap is smallest"""
     radius: float
+    """radius of the bead, m"""
     shift: float | None
+    """distance that the bead moves by a unit of the focus position; None: fitted"""
     drag: float | None
+    """drag far from the wall, kg/s; None: fitted"""
 
     @property
     def given(self) -> Array:
-        """(3,) logarithms of smallest gap (radii), shift and drag (kg/s); NaN where unknown."""
+        """Logarithms of smallest gap (radii), shift and drag (kg/s), (3,); NaN where unknown."""
         return np.array(
             [math.nan, *(math.log(each) if each else math.nan for each in (self.shift, self.drag))]
         )
 
     def parts(self, unknowns: Array) -> Array:
-        """The same with the unknowns."""
+        """Return the logarithms of gap (radii), shift and drag (kg/s), (3,), given or unknown."""
         every = self.given
         every[np.isnan(every)] = unknowns
         return every
 
     def heights(self, unknowns: Array, positions: Array) -> Array:
-        """Heights of the bead, m."""
+        """Return the heights of the bead's centre above the wall, m, at focus `positions`, m."""
         gap, shift, _ = self.parts(unknowns)
         return self.radius * (1 + np.exp(gap)) + np.exp(shift) * (positions - self.nearest)
 
     def wall(self, unknowns: Array) -> Array:
-        """The position at which the height is 0, m."""
+        """Return the position of the focus, m, at which the height of the bead's centre is 0."""
         gap, shift, _ = self.parts(unknowns)
         return np.asarray(self.nearest - self.radius * (1 + np.exp(gap)) / np.exp(shift))
 
     def residuals(self, unknowns: Array) -> Array:
-        """Deviations of the drags, in their uncertainties."""
+        """Return the deviations (drags,) of the measured drags, in standard uncertainties."""
         drags = self.drags
         heights = self.heights(unknowns, drags.positions)
         mobilities = [
@@ -263,17 +277,17 @@ class _Fit:
         return np.asarray((drags.logarithms - expected) / drags.errors)
 
     def differences(self, of: Callable[[Array], Array], unknowns: Array) -> Array:
-        """(unknowns, ...): slopes."""
+        """Return the derivatives (unknowns, ...) of a function `of` the unknowns."""
         steps = _DIFFERENCE * np.eye(len(unknowns))
         return np.array([of(unknowns + d) - of(unknowns - d) for d in steps]) / (2 * _DIFFERENCE)
 
     def information(self, unknowns: Array) -> Array:
-        """Of the unknowns, (unknowns, unknowns)."""
+        """Return Fisher's information on the unknowns, whose inverse is their covariance."""
         slopes = self.differences(self.residuals, unknowns)
         return np.asarray(slopes @ slopes.T)
 
     def best(self) -> Array:
-        """The unknowns that fit best, of those found from several starts."""
+        """Return the unknowns that fit best, starting from the best of several gaps and shifts."""
         unknown = np.isnan(self.given)
         drag = float(self.drags.logarithms.min())
         starts = [
