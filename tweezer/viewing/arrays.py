@@ -1,4 +1,4 @@
-"""Arrays of a page: numbers in few bytes, with the error that this makes."""
+"""Arrays of numbers in a page, in few bytes, with the rounding error that this causes."""
 
 from __future__ import annotations
 
@@ -16,17 +16,18 @@ _STEPS = 65534
 
 
 class TooLargeError(ResultError, ValueError):
-    """Values that a page cannot hold."""
+    """Error for values that are too large for the arrays of a page."""
 
 
 @dataclass(frozen=True)
 class Packed:
-    """An array as text: base64 of little-endian numbers, and how they are read.
+    """An array of numbers as text: little-endian numbers in base64, and how to decode them.
 
-    A value is `offset + step * number`; NaN, and of whole numbers the largest, is a missing one.
+    A value is `offset + step * number`. Missing values are NaN, or the largest number for uint16.
     """
 
     data: str
+    """the numbers in base64"""
     type: str
     """"float32" or "uint16" """
     shape: tuple[int, ...]
@@ -36,10 +37,12 @@ class Packed:
     largest: float
     """largest size of a value, in `unit`"""
     offset: float = 0.0
+    """value of the number 0, in `unit`"""
     step: float = 1.0
+    """difference of values for neighbouring numbers, in `unit`"""
 
     def values(self) -> NDArray[np.float64]:
-        """The values that the page shows."""
+        """Return the values that the page shows, decoded, in `unit`."""
         raw = np.frombuffer(base64.b64decode(self.data), np.dtype(self.type).newbyteorder("<"))
         values = self.offset + self.step * raw.astype(np.float64)
         if self.type == "uint16":
@@ -47,14 +50,15 @@ class Packed:
         return values.reshape(self.shape)
 
     def as_json(self) -> dict[str, Any]:
-        """What the page reads."""
+        """Return the array as a JSON object, as the JavaScript of a page reads it."""
         return {**vars(self), "shape": list(self.shape)}
 
 
 def float32(values: ArrayLike, unit: str) -> Packed:
-    """`values` in 4 bytes each: rounded to 6e-8 of each value. One that is not finite is missing.
+    """Return values as an array of a page, in 4 bytes each; values that are not finite are missing.
 
-    Raises `TooLargeError` for values that 4 bytes do not hold: beyond 3.4e38 in `unit`.
+    Each is rounded to 6e-8 of its value. Raises `TooLargeError` for values beyond 3.4e38 in `unit`,
+    which 4 bytes cannot represent.
     """
     given = np.asarray(values, dtype=np.float64)
     with np.errstate(over="ignore"):
@@ -65,9 +69,10 @@ def float32(values: ArrayLike, unit: str) -> Packed:
 
 
 def uint16(values: ArrayLike, unit: str) -> Packed:
-    """`values` in 2 bytes each: rounded to 1/131068 of their range. What is not finite is missing.
+    """Return values as an array of a page, in 2 bytes each; values that are not finite are missing.
 
-    For many beads, of which a picture needs the places alone.
+    Each is rounded to 1/131068 of the range of all. This suits many beads, whose positions are only
+    drawn.
     """
     given = np.asarray(values, dtype=np.float64)
     there = np.isfinite(given)
@@ -82,6 +87,11 @@ def uint16(values: ArrayLike, unit: str) -> Packed:
 def _packed(
     raw: NDArray[Any], given: NDArray[Any], shown: NDArray[Any], unit: str, **reading: float
 ) -> Packed:
+    """Return the array of a page from its encoded numbers, with its rounding error.
+
+    raw: numbers to be written. given: values before encoding. shown: values after decoding.
+    reading: offset and step, if numbers are not values.
+    """
     there = np.isfinite(given)
     rounding = float(np.abs(shown - given)[there].max(initial=0.0))
     return Packed(

@@ -1,4 +1,4 @@
-"""The heading of a page: the name of a scene and, in words, what was changed in it."""
+"""Titles of pages: the name of a scene and, in words, the changes to it."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ _IN_PRINT = {
 
 
 def heading(scene: Scene, title: str) -> str:
-    """The title of a scene as it was written; of a changed one its name and a few changes.
+    """Return the title of a page: a scene's own title or, of a changed scene, its name and three
+    changes.
 
     title: as the result has it. One that is not the scene's own is kept.
     """
@@ -45,12 +46,14 @@ def heading(scene: Scene, title: str) -> str:
 
 
 def of_changes(scene: Scene) -> list[str]:
-    """The note with every change, as it was given."""
+    """Return a note with every change to the scene as it was given, in a list; empty without
+    changes.
+    """
     return [f"The scene is {scene.title}."] if scene.changed else []
 
 
 def named(key: str) -> str:
-    """A dotted key of a scene in words: "bead diameter" of bead.diameter."""
+    """Return a dotted key of a scene in words, such as "bead diameter" for bead.diameter."""
     if key in _IN_PRINT:
         return _IN_PRINT[key]
     first, *parts = key.split(".")
@@ -61,7 +64,10 @@ def named(key: str) -> str:
 
 
 def _change(key: str, text: str) -> str:
-    """A change in words: "bead diameter 0.8 um"; numbers that were given without a unit have it."""
+    """Return a change in words, such as "bead diameter 0.8 um".
+
+    key, text: dotted key and value as they were given; bare numbers get a unit.
+    """
     if key == "beam":  # all beams were replaced: "2 of them"
         return text.replace("of them", "beams")
     if text in ("true", "false"):
@@ -71,6 +77,7 @@ def _change(key: str, text: str) -> str:
 
 
 def _with_unit(key: str, text: str) -> str:
+    """Return the value of a key with a unit: "0.8 um" for the text "8e-7" of bead.diameter."""
     try:
         given = json.loads(text)
         sizes = np.array(given, dtype=float)
@@ -85,4 +92,5 @@ def _with_unit(key: str, text: str) -> str:
 
 
 def _section(key: str) -> str:
+    """Return the kind of the section of a dotted key: "beam" for beam[2].power."""
     return key.partition(".")[0].partition("[")[0]

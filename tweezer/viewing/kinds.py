@@ -1,4 +1,4 @@
-"""From what is given to what its page shows."""
+"""Choice of the module that makes the page of a result."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 
 def content_of(given: Any, name: str) -> Content:
-    """What the page of a dataset or a `Trap` shows.
+    """Return the content of the page of a dataset or a `Trap`.
 
-    name: of what is given. Raises `ResultError` for what has no page.
+    name: of the result, for messages. Raises `ResultError` for a result without a page.
     """
     kind = kind_of(given)
     page = kind.page if kind else ""

@@ -1,4 +1,4 @@
-"""A film of a page: its picture at times one after the other, put together by ffmpeg."""
+"""Film of a page: screenshots at successive times, encoded by ffmpeg."""
 
 from __future__ import annotations
 
@@ -37,13 +37,19 @@ _OPTIONS = (
 
 
 def options_of_browser() -> tuple[str, ...]:
-    """How the browser is started; it has no sandbox for root alone, whom it refuses one."""
+    """Return the options with which the browser starts.
+
+    Only for root they switch off its sandbox, with which it refuses to run as root.
+    """
     root = hasattr(os, "geteuid") and os.geteuid() == 0
     return (*_OPTIONS, *("--no-sandbox",) * root)
 
 
 def programs() -> dict[str, str]:
-    """Where browser, chromedriver and ffmpeg are. Raises `ResultError` naming what is missing."""
+    """Return the paths of browser, chromedriver and ffmpeg, by name.
+
+    Raises `ResultError` naming programs, or selenium, that are missing.
+    """
     found = {
         "Chromium": next(filter(None, map(shutil.which, _BROWSERS)), None),
         "chromedriver": shutil.which("chromedriver"),
@@ -60,10 +66,10 @@ def programs() -> dict[str, str]:
 def film(
     page: Page, path: Path, seconds: float, progress: Callable[[float], None] | None = None
 ) -> Path:
-    """Write a film of `page`, from the first time to the last in `seconds`, as .mp4 or .gif.
+    """Write a film of a page as .mp4 or .gif, from its first time to its last in `seconds`.
 
-    progress: called with the part that is done. Raises `ResultError` where a program is missing or
-    fails, and for a page without time.
+    progress: called with the finished part. Raises `ResultError` if a program is missing or fails,
+    and for a page without time.
     """
     where = programs()
     rate, how = FORMATS[path.suffix[1:].lower()]
@@ -96,7 +102,10 @@ def film(
 
 
 def _pictures(page: Page, folder: Path, where: dict[str, str], count: int) -> Iterator[bytes]:
-    """PNG of the page at `count` times."""
+    """Yield PNG images of the page at `count` times, taken by a browser that is started for it.
+
+    folder: for temporary files. where: paths of programs, by name.
+    """
     from selenium import webdriver
     from selenium.common import WebDriverException
 
@@ -116,7 +125,7 @@ def _pictures(page: Page, folder: Path, where: dict[str, str], count: int) -> It
 
 
 def frames(driver: WebDriver, source: Path, count: int) -> Iterator[bytes]:
-    """PNG of the page saved at `source` at `count` times from the first to the last.
+    """Yield PNG images of the page saved at `source`, at `count` times from the first to the last.
 
     Raises `ResultError` for a page without time.
     """

@@ -1,4 +1,4 @@
-"""The page of an ensemble: its beads as a cloud in motion, or the statistics of one."""
+"""The page of an ensemble: its beads as a moving cloud, or its statistics."""
 
 from __future__ import annotations
 
@@ -38,14 +38,16 @@ _READ = 2_000_000
 
 
 class _Course(NamedTuple):
-    """What all beads do together, over the times."""
+    """Mean, spread and number of the beads of an ensemble at each time shown."""
 
     mean: Array
-    """(times, 3) m"""
+    """(times, 3) mean position of the beads that are not lost, m"""
     mean_error: Array
+    """(times, 3) standard error of the mean, m"""
     spread: Array
-    """standard deviation, (times, 3) m"""
+    """(times, 3) standard deviation of the positions, m"""
     spread_error: Array
+    """(times, 3) standard error of the standard deviation, m"""
     left: Array
     """(times,) number of beads that are not lost"""
     near: Array | None
@@ -53,15 +55,16 @@ class _Course(NamedTuple):
 
 
 def content(dataset: xr.Dataset) -> Content:
-    """What the page of an ensemble shows: of trajectories, or of statistics.
+    """Return the content of the page of an ensemble, of its trajectories or of its statistics.
 
-    Raises `ResultError` if its scene is none.
+    Raises `ResultError` if its scene is not valid.
     """
     scene = scene_of(dataset)
     return (_of_trajectories if "position" in dataset else _of_statistics)(dataset, scene)
 
 
 def _of_trajectories(dataset: xr.Dataset, scene: Scene) -> Content:
+    """Return the content of the page of an ensemble with trajectories: a moving cloud of beads."""
     times, lost_time = dataset["time"].values, dataset["lost_time"].values
     computed = ~np.isnan(lost_time)
     if not computed.any():
@@ -101,7 +104,12 @@ def _of_trajectories(dataset: xr.Dataset, scene: Scene) -> Content:
 
 
 def _thinned(times: int, trajectories: int) -> tuple[Numbers, int, Numbers]:
-    """Which times are kept, how many beads, and which: evenly spread over all."""
+    """Choose the times and beads to show, evenly spaced, so that the page has at most 2 million
+    positions.
+
+    Times are left out first, down to 200, then beads. Returns the indices of the times, the number
+    of beads and the indices of the beads.
+    """
     every = 1
     if times * trajectories > _MOST:
         needed = math.ceil(times * trajectories / _MOST)
@@ -112,7 +120,7 @@ def _thinned(times: int, trajectories: int) -> tuple[Numbers, int, Numbers]:
 
 
 def _one_in(every: int, times: int) -> Numbers:
-    """Which times are kept, where one in `every` is; always the last."""
+    """Return the indices of one in `every` of so many times, always with the last."""
     return np.unique([*range(0, times, every), times - 1])
 
 
@@ -120,7 +128,15 @@ def _read(
     dataset: xr.Dataset, computed: NDArray[np.bool_], kept: Numbers, taken: Numbers,
     centre: Array | None, radius: float,
 ) -> tuple[_Course, Array]:  # fmt: skip
-    """What all beads do together at the times kept, and the positions of those taken."""
+    """Compute the course of all beads at the times kept, and read the positions of the beads to
+    show.
+
+    The ensemble is read in blocks of beads, because it may not fit into memory.
+
+    computed: (trajectories,) booleans. kept: indices of the times. taken: indices, among computed
+    beads, of those to show. centre: (3,) equilibrium, m; None without one. radius: of the bead, m.
+    Returns the course and the positions, (beads, times, 3) m.
+    """
     numbers = np.flatnonzero(computed)
     times = dataset["time"].values[kept]
     at_once = max(1, _READ // dataset.sizes["time"])
@@ -136,6 +152,7 @@ def _read(
             near += (np.linalg.norm(block - centre, axis=2) < radius).sum(axis=0)
         within = (taken >= first) & (taken < first + len(some))
         positions[within] = block[taken[within] - first]
+    # number, mean and sums of powers 2 to 4 of deviations from the mean, by time and axis
     count, mean, m2, _, m4 = found.reshape(5, times.size, 3)
     with np.errstate(divide="ignore", invalid="ignore"):
         variance = np.where(count > 1, m2 / (count - 1), np.nan)
@@ -148,6 +165,7 @@ def _read(
 
 
 def _of_statistics(dataset: xr.Dataset, scene: Scene) -> Content:
+    """Return the content of the page of an ensemble that has kept statistics alone."""
     every = -(-dataset.sizes["time"] // _MOST_TIMES)
     kept = _one_in(every, dataset.sizes["time"])
     thin = dataset.isel(time=kept)
@@ -187,11 +205,12 @@ def _of_statistics(dataset: xr.Dataset, scene: Scene) -> Content:
 
 
 def _together(dataset: xr.Dataset) -> int:
-    """Number of bins that are joined to one."""
+    """Return how many bins of the density are averaged into one, to have at most 500."""
     return max(1, -(-dataset.sizes["bin"] // _BINS))
 
 
 def _packed(times: Array, course: _Course) -> dict[str, Packed]:
+    """Return the times and the course of an ensemble as arrays of the page, by name."""
     arrays = {
         "time": float32(times, "s"),
         "mean": float32(course.mean, "m"),
@@ -206,6 +225,10 @@ def _packed(times: Array, course: _Course) -> dict[str, Packed]:
 def _summary(
     dataset: xr.Dataset, scene: Scene, course: _Course, total: int, lost: int
 ) -> list[Row]:
+    """Return the lines of the summary of an ensemble.
+
+    total: number of beads. lost: number of beads lost before the end.
+    """
     rows = [
         Row("beads", f"{total}"),
         Row("lost before the end", *_share(lost, total)),
@@ -236,7 +259,10 @@ def _summary(
 
 
 def _share(number: int, total: int) -> tuple[str, str]:
-    """A number of beads and its part, and half of Wilson's interval of one standard deviation."""
+    """Return a number of beads with its percentage, and the standard error of that, as text.
+
+    The error is half the width of Wilson's interval for one standard deviation.
+    """
     if not total:
         return "0", ""
     part = number / total
@@ -244,7 +270,7 @@ def _share(number: int, total: int) -> tuple[str, str]:
 
 
 def _stationary(dataset: xr.Dataset) -> list[Row]:
-    """Mean and variance over beads and time."""
+    """Return the lines with mean and variance over beads and time, along each axis."""
     return [
         of_number(
             f"{name} of {axis} over beads and time",
@@ -257,6 +283,7 @@ def _stationary(dataset: xr.Dataset) -> list[Row]:
 
 
 def _of_times(times: int, kept: Numbers) -> list[str]:
+    """Return the note on times that were left out, in a list; an empty list if all are shown."""
     if kept.size == times:
         return []
     return [
@@ -265,6 +292,10 @@ def _of_times(times: int, kept: Numbers) -> list[str]:
 
 
 def _of_thinning(times: int, total: int, kept: Numbers, beads: int) -> list[str]:
+    """Return the notes on times and beads that were left out.
+
+    times, total: numbers of times and beads. kept: indices of the times shown. beads: number shown.
+    """
     notes = _of_times(times, kept)
     if beads < total:
         notes.append(
@@ -275,6 +306,9 @@ def _of_thinning(times: int, total: int, kept: Numbers, beads: int) -> list[str]
 
 
 def _of_the_cloud(near: bool) -> list[str]:
+    """Return the notes on how to read the cloud. near: whether beads near an equilibrium are
+    counted.
+    """
     notes = [
         "Every point is the centre of a bead, at the last sample before the time shown. A bead "
         "that is lost stays as a ring where it was last seen; means and spreads leave it out.",

@@ -1,4 +1,4 @@
-"""The page of a run: its bead in the light, in motion."""
+"""The page of a run: its bead moving in the light, with the forces and energies."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _AS_THEY_ARE = {
 
 
 def content(dataset: xr.Dataset) -> Content:
-    """What the page of a run shows. Raises `ResultError` if its scene is none."""
+    """Return the content of the page of a run. Raises `ResultError` if its scene is not valid."""
     run, scene = Run.of(dataset), scene_of(dataset)
     if not np.isfinite(run["position"]).all():
         raise ResultError("contains samples without a position, which cannot be shown")
@@ -81,7 +81,10 @@ _ENDED = {"interrupted": "was stopped early", "failed": "failed"}
 
 
 def _moving_light(problem: Problem, times: Array) -> dict[str, Packed]:
-    """Foci (times, beams, 3) m, and factors of the powers (times, beams), where they change."""
+    """Return foci, (times, beams, 3) m, and factors of power, (times, beams), for the page.
+
+    Returns no array if light and power do not change with time.
+    """
     light = problem.light
     if not isinstance(light, Beams) or all(
         each.place.steady and each.strength.steady for each in light.forces
@@ -93,10 +96,9 @@ def _moving_light(problem: Problem, times: Array) -> dict[str, Packed]:
 
 
 def _forces(run: Run, problem: Problem) -> tuple[dict[str, Array], list[str]]:
-    """Forces (n, 3) N on the bead by name, and what they are.
+    """Return the forces on the bead at the samples, (n, 3) N by name, and a note on them.
 
-    Of the fluid's resistance the part that is steady, -v/mobility, is computed here: (2.13) with
-    the mobilities at the place.
+    The drag is its steady part, -v/mobility (2.13), with the mobilities at each position.
     """
     light, net = run["optical_force"], run["net_force"]
     scene, weight = problem.scene, np.array(problem.bead.weight)
@@ -140,10 +142,12 @@ def _forces(run: Run, problem: Problem) -> tuple[dict[str, Array], list[str]]:
 def _energies(
     run: Run, forces: dict[str, Array], scene: Scene, *, close: bool
 ) -> tuple[dict[str, Array], list[str]]:
-    """Energies (n,) by name, kT, and what they are.
+    """Return the energies of the bead, (n,) by name in kT, and notes on them.
 
     The work of a force is summed by the trapezoidal rule from sample to sample. With half as many
     samples its error is four times as large, so a third of the difference estimates it.
+
+    forces: (n, 3) N by name. close: whether samples resolve the motion, so that work can be summed.
     """
     unit = Boltzmann * scene.medium.temperature
     energies = {}
@@ -178,12 +182,15 @@ def _energies(
 
 
 def _work(force: Array, position: Array) -> Array:
-    """Work of a force on the way, J, from 0 at the first sample."""
+    """Return the work of a force, (n, 3) N, along the path, (n, 3) m, as (n,) J from 0 at the first
+    sample.
+    """
     steps = 0.5 * ((force[1:] + force[:-1]) * np.diff(position, axis=0)).sum(axis=1)
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def _of_the_summary(summary: Summary) -> list[str]:
+    """Return a note, in a list, if the summary was found from samples alone."""
     if not summary.by_samples:
         return []
     return [
@@ -193,6 +200,10 @@ def _of_the_summary(summary: Summary) -> list[str]:
 
 
 def _of_the_path(run: Run, scene: Scene, *, close: bool) -> list[str]:
+    """Return a note on the distance of samples in time, and on the path drawn between them.
+
+    close: whether samples resolve the motion.
+    """
     times = run["time"]
     if len(times) < 2:
         return ["The run has one sample alone."]
@@ -212,12 +223,14 @@ def _of_the_path(run: Run, scene: Scene, *, close: bool) -> list[str]:
 
 
 def _origin(run: Run, scene: Scene) -> list[str]:
+    """Return a note, in a list, with the versions and the seed with which the run was computed."""
     attributes = run.attributes
     drawn = f" Seed {attributes['seed']}." if scene.draws and "seed" in attributes else ""
     return [f"{computed_by(attributes)}{drawn}"]
 
 
 def _rows(run: Run, scene: Scene, summary: Summary) -> list[Row]:
+    """Return the lines of the summary of a run: outcome, errors, models and settings."""
     attributes = run.attributes
     thermal, ended = scene.forces.brownian, attributes["status"] not in _ENDED
     seen = thermal or not summary.by_samples
@@ -268,6 +281,10 @@ def _rows(run: Run, scene: Scene, summary: Summary) -> list[Row]:
 
 
 def _approach(summary: Summary, *, seen: bool) -> list[Row]:
+    """Return the lines on the approach to the focus of a bead without thermal motion.
+
+    seen: whether these numbers are valid, because they are not found from samples alone.
+    """
     rows = []
     if not math.isnan(summary.overshoot):
         overshoot = summary.overshoot, summary.overshoot_error
@@ -290,11 +307,18 @@ def _approach(summary: Summary, *, seen: bool) -> list[Row]:
 
 
 def _found(name: str, value: float, error: float | None, unit: str = "", *, seen: bool) -> Row:
-    """A number of the summary, whose error is None if it is not known; seen: to be trusted."""
+    """Return a line of the summary for a number.
+
+    error: in the same unit; None if it is not known. seen: whether the number is valid.
+    """
     return of_number(name, value, math.nan if error is None else error, unit, trusted=seen)
 
 
 def _up_to(name: str, error: float, unit: str, more: str = "") -> Row:
+    """Return a line of the summary for the bound of an error; "not known" if it is not finite.
+
+    more: words that follow the bound.
+    """
     if not math.isfinite(error):
         return _row(name, NOT_KNOWN, trusted=False)
     return _row(name, f"up to {si(error, unit, 1)}{more}")

@@ -1,4 +1,4 @@
-"""The page of a sweep: its cases over what was varied, each with its numbers."""
+"""The page of a sweep: its cases over the keys that were varied, each with its results."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _IN_SI = ("lifetime",)
 
 
 def content(dataset: xr.Dataset) -> Content:
-    """What the page of a sweep shows. Raises `ResultError` if its scene is none."""
+    """Return the content of the page of a sweep. Raises `ResultError` if its scene is not valid."""
     of, scene = dataset.attrs["of"], scene_of(dataset)
     over = [str(dim) for dim in dataset["outcome"].dims]
     # of all that has an order the page shows rising values
@@ -80,19 +80,25 @@ def content(dataset: xr.Dataset) -> Content:
 
 
 def _unit(unit: str, *, apart: bool = False) -> tuple[float, str]:
-    """Scale and name of the unit in which a quantity is shown; apart: in SI."""
+    """Return the factor from an SI unit to the unit in which a quantity is shown, and its name.
+
+    apart: whether the quantity is shown in the SI unit itself.
+    """
     scale, name = (1.0, unit) if apart else in_tables(unit)
     return scale, typeset(name)
 
 
 def _words(values: NDArray[Any]) -> tuple[list[str], Packed]:
-    """The different words, and the number of each case's."""
+    """Return the distinct words of an array, and for each case the index of its word."""
     found, numbers = np.unique(values.astype(str), return_inverse=True)
     return found.tolist(), float32(numbers.reshape(values.shape), "1")
 
 
 def _axis(dataset: xr.Dataset, dim: str) -> dict[str, Any]:
-    """A dimension of the cases with its keys, several of a table of cases."""
+    """Return a dimension of the cases as a JSON object: its name, and its keys with their values.
+
+    It has one key in a grid of cases, and may have several in a table of cases.
+    """
     keys = [dim] if dim in dataset.coords else [
         str(name) for name, of in dataset.coords.items() if of.dims == (dim,)
     ]  # fmt: skip
@@ -115,13 +121,16 @@ def _axis(dataset: xr.Dataset, dim: str) -> dict[str, Any]:
 
 
 def _wide(values: NDArray[Any]) -> bool:
-    """Whether the ratios of ascending values are more even than their distances."""
+    """Return whether an axis should be logarithmic: ratios of ascending values are more even than
+    steps.
+    """
     if values.size < 3 or values[0] <= 0 or values[-1] / values[0] <= _WIDE:
         return False
     return bool(np.ptp(np.diff(np.log(values))) < np.ptp(np.diff(values)) / values[-1])
 
 
 def _summary(dataset: xr.Dataset, over: list[str], counts: dict[str, int]) -> list[Row]:
+    """Return the lines of the summary of a sweep. counts: number of cases by outcome."""
     shape = " x ".join(f"{dataset.sizes[dim]} {dim}" for dim in over)
     return [
         Row("computed of each case", dataset.attrs["of"]),
@@ -133,6 +142,7 @@ def _summary(dataset: xr.Dataset, over: list[str], counts: dict[str, int]) -> li
 
 
 def _notes(dataset: xr.Dataset, of: str) -> list[str]:
+    """Return the sentences on how to read the page. of: what was computed, such as "trap"."""
     varied = [size for size in dataset["outcome"].shape if size > 1]
     notes = [
         "Each cell is one case, and ends in the middle between its neighbours. Hatched cells have "

@@ -1,4 +1,4 @@
-"""The page of a trap: the force on its bead in slices that can be moved, and the ways out of it."""
+"""The page of a trap: the force on its bead in movable slices, and the escape directions."""
 
 from __future__ import annotations
 
@@ -45,7 +45,10 @@ _CLOSEST = 1e-10
 
 @dataclass(frozen=True)
 class _Box:
-    """What is shown: |x|, |y| <= across, low <= z <= high, m from the origin."""
+    """The region that the page shows: |x| and |y| at most `across`, z from `low` to `high`, m.
+
+    Its origin is that of the scene.
+    """
 
     across: float
     low: float
@@ -54,26 +57,32 @@ class _Box:
 
 @dataclass(frozen=True)
 class _Table:
-    """The force of the light of one beam about its own focus, as cubic B-splines.
+    """The force of one beam's light on the bead about the beam's focus, as a table of cubic
+    B-splines.
 
-    The force is quadratic in the light's Jones vector, which is a sum of two circular ones. Each of
-    these alone gives a force that is the same all around the axis, and both together one that
-    turns twice: with the angle phi F_rho, F_phi and F_z are each a + b cos(2 phi) + c sin(2 phi).
-    Round light has a alone.
+    In cylindrical coordinates about the axis (distance rho, angle phi, height z) each component of
+    the force is a + b cos(2 phi) + c sin(2 phi), where a, b and c depend on rho and z. This holds
+    because the force is quadratic in the Jones vector of the light, a sum of two circular
+    polarisations: each alone gives a force without phi, both together one with 2 phi. Light that is
+    symmetric about its axis has a alone.
     """
 
     coefficients: Array
-    """(1 or 3, component, z, rho), N: of a, and of b and c if there are any"""
+    """(1 or 3, component, z, rho) spline coefficients, N: of a, and of b and c if there are any;
+    the components are radial, azimuthal and along z"""
     step: float
-    """distance of nodes, m"""
+    """distance of neighbouring nodes in rho and in z, m"""
     low: float
-    """z of the first, m; rho of the first is `-step`"""
+    """z of the first node, m; its rho is `-step`"""
     errors: Array
-    """(z, rho), N: how far the splines are off between nodes, the largest of nine neighbouring
-    cells; the first cell begins at rho = 0 and `low + step`"""
+    """(z, rho) deviation of the splines from the force in the middle of each cell between nodes,
+    N, the largest of a cell and its eight neighbours; the first cell begins at rho = 0 and z =
+    `low + step`"""
 
     def force(self, places: Array) -> Array:
-        """The force at places (n, 3) m from the focus, (n, 3) N."""
+        """Return the force, (n, 3) N, at positions relative to the focus, (n, 3) m, from the
+        splines.
+        """
         rho, angle = np.hypot(places[:, 0], places[:, 1]), np.arctan2(places[:, 1], places[:, 0])
         at = np.array([(places[:, 2] - self.low) / self.step, rho / self.step + 1])
         turns = np.array([np.ones_like(angle), np.cos(2 * angle), np.sin(2 * angle)])
@@ -93,27 +102,31 @@ class _Table:
 
 @dataclass(frozen=True)
 class _Placed:
-    """The light of one beam where it is."""
+    """The light of one beam at its place in the scene at time 0: focus, direction and power."""
 
     focus: Array
+    """(3,) position of the focus, m"""
     factor: float
-    """of its force"""
+    """factor of the power, and so of the force, at time 0"""
     down: bool
-    """whether it is turned by 180 degrees about x"""
+    """whether the beam propagates down, that is, is turned by 180 degrees about x"""
     light: LightForce
+    """force of the light about its own focus, for a beam that propagates up"""
 
     @property
     def turn(self) -> Array:
-        """Signs of the axes of the beam in those of the scene."""
+        """Signs (3,) that convert vectors between the axes of the scene and those of the beam."""
         return np.array([1.0, -1.0, -1.0]) if self.down else np.ones(3)
 
     def within(self, places: Array) -> Array:
-        """Places (n, 3) m as this beam has them."""
+        """Return positions in the scene, (n, 3) m, relative to the focus and along the axes of the
+        beam.
+        """
         return self.turn * (places - self.focus)
 
 
 def content(trap: Trap) -> Content:
-    """What the page of a trap shows.
+    """Return the content of the page of a trap.
 
     The page computes forces anywhere in a box about the trap from tables, which are computed here.
     """
@@ -162,6 +175,7 @@ def content(trap: Trap) -> Content:
 
 
 def _escape(escape: Escape) -> dict[str, Any]:
+    """Return an escape direction, with its force, energy and range, as a JSON object."""
     return {
         "direction": escape.direction,
         "force": escape.force,
@@ -173,7 +187,11 @@ def _escape(escape: Escape) -> dict[str, Any]:
 
 
 def _box(trap: Trap, problem: Problem) -> _Box:
-    """Three radii and a half about every focus, and farther if the trap is wider."""
+    """Return the region to show: 3.5 radii of the bead about every focus, and more for a wide trap.
+
+    It contains the equilibria and ends of escapes that are near, and ends where the bead touches a
+    wall.
+    """
     scene, r = trap.scene, trap.scene.body.size
     foci = problem.foci()
     centre = np.array(trap.equilibrium.position if trap.equilibrium else foci[0])
@@ -196,7 +214,7 @@ def _box(trap: Trap, problem: Problem) -> _Box:
 
 
 def _placed(problem: Problem) -> list[_Placed]:
-    """The lights of the scene at the time 0, each by an evaluator that is smooth."""
+    """Return the lights of the scene at time 0, each with a smooth evaluator of the force."""
     light = problem.light
     if not problem.scene.lit:
         return []
@@ -210,7 +228,7 @@ def _placed(problem: Problem) -> list[_Placed]:
 
 
 def _tables(lights: list[_Placed], box: _Box) -> dict[int, _Table]:
-    """The tables by the identity of the light: beams that are alike share one."""
+    """Return the force tables by the `id` of their light; beams with the same light share one."""
     if not lights:
         return {}
     reach = math.sqrt(2) * box.across + max(float(np.hypot(*each.focus[:2])) for each in lights)
@@ -223,7 +241,13 @@ def _tables(lights: list[_Placed], box: _Box) -> dict[int, _Table]:
 
 
 def _table(light: LightForce, reach: float, low: float, high: float) -> _Table:
-    """The table of a light up to `reach` from its axis, and from `low` to `high` along it, m."""
+    """Compute the table of a light up to the distance `reach` from its axis, z from `low` to
+    `high`, m.
+
+    The nodes number about 10,000 for each angle phi about the axis, and reach beyond the ends. The
+    force is computed at one angle for symmetric light, else at three, which determine a, b and c of
+    `_Table`. It is computed again in the middle of each cell, at another angle, for the errors.
+    """
     step = math.sqrt(reach * (high - low) / _NODES)
     rho = step * np.arange(math.ceil(reach / step) + 1 + _BEYOND)
     z = low + step * np.arange(-_BEYOND, math.ceil((high - low) / step) + 1 + _BEYOND)
@@ -242,11 +266,14 @@ def _table(light: LightForce, reach: float, low: float, high: float) -> _Table:
         parts += [2 * np.tensordot(turn(2 * angles), at_angles, 1) / angles.size
                   for turn in (np.cos, np.sin)]  # fmt: skip
     values = np.array(parts)
-    # beyond the axis the force goes on as half a turn about it has it
+    # At rho < 0 stands the force at |rho| after half a turn about the axis: radial and azimuthal
+    # components change sign, cos and sin of 2 phi do not. So splines are smooth across the axis
     sign = np.array([-1.0, -1.0, 1.0])[:, None, None]
     whole = np.concatenate([sign * values[..., :0:-1], values], axis=-1)
     for axis in (-2, -1):
         whole = spline_filter1d(whole, order=3, axis=axis, mode="mirror")
+    # coefficients for the cells within the ends: a cell of cubic splines needs a node more on
+    # either side of it
     kept = slice(_BEYOND - 1, 3 - _BEYOND), slice(rho.size - 2, 3 - _BEYOND)
     table = _Table(whole[..., *kept], step, float(z[_BEYOND - 1]), np.zeros(0))
     cells = [step * (np.arange(size - 3) + 0.5) for size in table.coefficients.shape[2:]]
@@ -258,7 +285,11 @@ def _table(light: LightForce, reach: float, low: float, high: float) -> _Table:
 
 
 def _of_walls(problem: Problem, box: _Box) -> tuple[Array, Array]:
-    """Heights, m, and the force of walls on a bead that touches none there, (n,) N; or none."""
+    """Return the force of walls on the bead (such as DLVO forces) over its height.
+
+    Both arrays are (n,): heights z of the bead's centre, m, denser near a wall, and the force along
+    z, N. They are empty without such forces.
+    """
     every = problem.beside_the_light_apart
     wall = problem.scene.wall
     if not every or wall is None:
@@ -275,25 +306,27 @@ def _of_walls(problem: Problem, box: _Box) -> tuple[Array, Array]:
 
 
 class _Compared(NamedTuple):
-    """Differences of forces at places drawn at random, N."""
+    """Differences between forces of the page and computed ones at random positions, N."""
 
     usual: float
-    """of the page's force from what its tables stand for: in half of the places"""
+    """median difference of the page's force from the force that its tables approximate"""
     tables: float
-    """the largest"""
+    """largest of these differences"""
     evaluator: float
-    """largest difference of the page's force from that of the scene's evaluator"""
+    """largest difference of the page's force from the force by the scene's own evaluator"""
     largest: float
-    """the largest force of the light there"""
+    """largest magnitude of the force of the light"""
 
 
 def _compared(
     problem: Problem, box: _Box, lights: list[_Placed], tables: dict[int, _Table],
     walls: tuple[Array, Array],
 ) -> _Compared:  # fmt: skip
-    """The page's force beside those that it stands for.
+    """Compare the page's force with the force that its tables approximate, at 2000 random
+    positions.
 
-    Half of the places are about the foci, where most of the force is.
+    Half of the positions are about the foci, where most of the force is. walls: heights, m, and
+    forces, N, from `_of_walls`.
     """
     rng = np.random.default_rng(0)
     low, high = [-box.across, -box.across, box.low], [box.across, box.across, box.high]
@@ -321,9 +354,9 @@ def _compared(
 
 
 def _summary(trap: Trap) -> list[Row]:
-    """What is known of the trap, each with its error."""
+    """Return the lines of the summary: what is known of the trap, each with its error."""
     sound = trap.ray_optics is None or trap.ray_optics.trusted
-    _ = trap.lifetime  # computed where it is asked for
+    _ = trap.lifetime  # computed on first use; `quantities` lists it only once it is computed
     rows = [Row("outcome", trap.words()["outcome"])]
     in_words = {LIFETIME.name, POWER.name}  # their rows of the card say more
     listed = [each for each in trap.quantities() if each.of.name not in in_words]
@@ -347,6 +380,7 @@ def _summary(trap: Trap) -> list[Row]:
 
 
 def _notes(trap: Trap, compared: _Compared) -> list[str]:
+    """Return the sentences on how to read the page, with the differences that were found."""
     usual, most = (si(each, "N") for each in (compared.usual, compared.tables))
     largest = si(compared.largest, "N")
     centre = "equilibrium" if trap.equilibrium else "focus"

@@ -1,4 +1,4 @@
-"""A page: one file of HTML with all that it needs, from a `Content`."""
+"""A page: one HTML file with all that it needs, made from a `Content`."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Page:
 
     @property
     def html(self) -> str:
-        """The whole page."""
+        """The whole page as HTML text."""
         from jinja2 import Environment, StrictUndefined
 
         kind = self.content.kind
@@ -62,7 +62,7 @@ class Page:
         return re.sub("[\ud800-\udfff]", "\N{REPLACEMENT CHARACTER}", page)
 
     def save(self, path: str | Path) -> Path:
-        """Write the page to `path`, and replace a page that is there.
+        """Write the page to `path`, replacing a page that exists.
 
         Raises `ResultError` if it cannot be written, or its name does not end in .html.
         """
@@ -73,14 +73,16 @@ class Page:
         return path
 
     def open(self) -> Path:
-        """Show the page in a browser; the file that was written for it."""
+        """Show the page in a browser, and return the path of the temporary file that was written
+        for it.
+        """
         folder = Path(tempfile.mkdtemp(prefix="tweezer-"))
         path = self.save(folder / f"{self.content.kind}.html")
         webbrowser.open(path.as_uri())
         return path
 
     def _repr_html_(self) -> str:
-        """For Jupyter: the page in a frame."""
+        """Return the page in a frame, for Jupyter."""
         return (
             f'<iframe srcdoc="{html.escape(self.html)}" title="{html.escape(self.content.title)}" '
             f'style="width: 100%; height: {_HEIGHT}px; border: 0" allowfullscreen></iframe>'
@@ -91,6 +93,7 @@ class Page:
 
 
 def _as_json(content: Content) -> dict[str, Any]:
+    """Return the content of a page as a JSON object, as its JavaScript reads it."""
     return {
         "kind": content.kind,
         "shows": next(kind.told for kind in SHOWN if kind.name == content.kind),
@@ -105,12 +108,16 @@ def _as_json(content: Content) -> dict[str, Any]:
 
 
 def _typeset(words: str) -> str:
-    """With the sign of print for micro: scenes and tables of a terminal say um."""
+    """Return words with "um" as "µm"; scenes and tables of a terminal have "um"."""
     return re.sub(r"\bum\b", "µm", words)
 
 
 def _in_script(value: object) -> str:
-    """Return JSON without `<`, which would end a script. Raises `ResultError` for NaN."""
+    """Return a value as JSON that can stand in a script of HTML: `<` is escaped, because it could
+    end it.
+
+    Raises `ResultError` for NaN.
+    """
     try:
         text = json.dumps(value, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
     except ValueError:
@@ -119,7 +126,7 @@ def _in_script(value: object) -> str:
 
 
 def _address(path: Path) -> str:
-    """A script as an address that holds it."""
+    """Return a data URL that contains a script, so that the page needs no other file."""
     return "data:text/javascript;base64," + base64.b64encode(path.read_bytes()).decode()
 
 

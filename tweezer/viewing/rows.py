@@ -1,4 +1,4 @@
-"""Numbers as a page tells them: with a unit, and as many digits as their error leaves."""
+"""Numbers in the summary of a page: with a unit, and as many digits as their errors justify."""
 
 from __future__ import annotations
 
@@ -18,10 +18,13 @@ def of_number(
     name: str, value: float, error: float | None = None, unit: str = "", *,
     in_tables: bool = False, trusted: bool = True,
 ) -> Row:  # fmt: skip
-    """A number with as many digits as its error leaves; one that is not finite is not known.
+    """Return a line of the summary for a number, with as many digits as its error justifies.
 
-    error: None of what has none, such as a number that was given; NaN or infinite if it is not
-    known. in_tables: in the unit that figures and tables have, otherwise in the prefix that suits.
+    A value that is not finite is shown as not known.
+
+    error: in the unit of the value; None for a number without an error, such as a given one; NaN or
+    infinite if the error is not known. unit: SI unit. in_tables: whether the unit is that of
+    figures and tables; otherwise it has the prefix that suits the number.
     """
     if not math.isfinite(value):
         return Row(name, NOT_KNOWN, "", trusted=False)
@@ -39,7 +42,7 @@ def of_number(
 
 
 def si(value: float, unit: str, digits: int = 3) -> str:
-    """A number in the prefix that suits it; one that is not finite is not known."""
+    """Return an SI value as text, with the prefix that suits it; "not known" if not finite."""
     if not math.isfinite(value):
         return NOT_KNOWN
     factor, name = prefixes.prefixed(value, unit)
@@ -47,7 +50,7 @@ def si(value: float, unit: str, digits: int = 3) -> str:
 
 
 def computed_by(attributes: Mapping[str, Any]) -> str:
-    """With what a result was computed, as its attributes have it."""
+    """Return a sentence with the versions with which a result was computed, from its attributes."""
     libraries = ", ".join(
         f"{name.removesuffix('_version')} {attributes[name]}"
         for name in ("tweezer_version", "numpy_version", "scipy_version", "numba_version")

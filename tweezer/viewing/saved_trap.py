@@ -1,4 +1,4 @@
-"""The page of a trap that `tweezer trap --out` has saved."""
+"""The page of a trap from the file that `tweezer trap --out` has saved."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tweezer.viewing.content import Content
 
 
 def content(path: Path) -> Content:
-    """What the page of a saved trap shows, and that it is one.
+    """Return the content of the page of a saved trap, with a note that it was saved.
 
     Raises `ResultError` for a file that is no saved trap.
     """

@@ -1,4 +1,4 @@
-"""What the picture of any scene needs: bead, light, walls, and how they are to be read."""
+"""Facts and notes for the picture of any scene: bead, light and walls."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from tweezer.scene import Scene
 
 
 def scene_facts(scene: Scene) -> dict[str, Any]:
-    """What a picture needs of a scene: bead, cones of light, walls. SI."""
+    """Return what a picture needs of a scene, in SI units: bead, cones of light, walls,
+    temperature.
+    """
     return {
         "shells": [radius for radius, _ in scene.bead.shells],
         "beams": [
@@ -30,7 +32,10 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
 
 
 def _walls(scene: Scene) -> list[dict[str, Any]]:
-    """Planes that end the fluid, with the cover glass, by height, m; `normal` leads to the bead."""
+    """Return the planes that bound the fluid, walls and cover glass, by height z, m.
+
+    `normal` is the direction along z from the plane to the bead, 1 or -1.
+    """
     cover = scene.lens.cover
     planes = {z: (normal, "wall") for z, normal in (scene.wall.planes if scene.wall else ())}
     if cover is not None:
@@ -44,7 +49,7 @@ _SAME = 1e-12
 
 
 def of_the_picture(scene: Scene) -> list[str]:
-    """How the picture of a scene is to be read."""
+    """Return the sentences on how to read the picture of a scene, and its caveats."""
     turns = (
         "Its pattern is there to show how it turns."
         if scene.rotates
