@@ -1,4 +1,4 @@
-"""A bead that is not trapped: its diffusion, by blurred and noisy positions, and what follows.
+"""Diffusion of a bead that is not trapped, from blurred and noisy positions, and its consequences.
 
 Positions at even times of a bead with diffusion D and drift v, each the mean over an exposure W and
 with a localisation error of variance sigma^2. Successive steps, less v dt, have the variance
@@ -72,73 +72,75 @@ _NO_TRAP = "no trap is detected; treated as a free bead"
 
 @dataclass(frozen=True)
 class FreeAxis:
-    """The diffusion along one axis, by itself."""
+    """Diffusion of a free bead along one axis, estimated from this axis alone."""
 
     axis: str
     diffusion: float
-    """by likelihood, m^2/s"""
+    """diffusion coefficient of largest likelihood, m^2/s"""
     interval: tuple[float, float]
-    """95 %, m^2/s"""
+    """95 % confidence interval of `diffusion`, m^2/s"""
     by_covariance: float
-    """by the means of squared steps and of products of successive ones, m^2/s"""
+    """estimate by the means of squared steps and of products of successive steps, m^2/s"""
     by_covariance_uncertainty: float
-    """its standard uncertainty, m^2/s"""
+    """standard uncertainty of `by_covariance`, m^2/s"""
     drift: float
-    """m/s"""
+    """mean drift velocity, m/s"""
     drift_uncertainty: float
-    """standard uncertainty, m/s"""
+    """standard uncertainty of `drift`, m/s"""
     noise: float | None
-    """standard deviation of the localisation error, m; None if the exposure is not known, or it is
-    not seen"""
+    """standard deviation of the localisation error, m; None if the exposure is unknown, or the
+    error is too small to be determined"""
     noise_limit: float | None
-    """95 % upper limit of it, m; None if the exposure is not known"""
+    """95 % upper limit of the standard deviation of the localisation error, m; None if the exposure
+    is unknown"""
     p_value: float
     """probability of a spectrum of the steps that differs as much or more, in ten bands"""
     jumps: tuple[int, ...]
-    """samples before which the bead jumped: those steps are left out; of several tracks none"""
+    """numbers of the samples before which the bead jumped; these steps are left out. Empty for
+    several tracks"""
 
 
 @dataclass(frozen=True)
 class FreeTrack:
-    """The diffusion of one bead of several, with the localisation error of all."""
+    """Diffusion of one of several beads, fitted with the localisation error common to all."""
 
     name: str
     diffusion: float
-    """m^2/s"""
+    """diffusion coefficient, m^2/s"""
     uncertainty: float
-    """standard uncertainty, m^2/s"""
+    """standard uncertainty of `diffusion`, m^2/s"""
 
 
 @dataclass(frozen=True)
 class Inferred:
-    """What diffusion, temperature and Einstein's relation tell of what is not given."""
+    """Unknown quantity that follows from diffusion, temperature and Einstein's relation."""
 
     name: str
     """"viscosity" (Pa s), "radius" (m), "drag" (kg/s) or "Boltzmann" (J/K)"""
     value: float
     interval: tuple[float, float]
-    """95 %; infinite without an upper end"""
+    """95 % confidence interval of `value`; infinite without an upper end"""
 
 
 @dataclass(frozen=True, repr=False)
 class Diffusion(Result):
-    """The diffusion of a free bead, by its motion along one or more axes, SI."""
+    """Diffusion of one or several free beads, from their motion along one or more axes, in SI."""
 
     QUANTITIES: ClassVar = (FREE_DIFFUSION, *INFERRED.values(), EXPECTED)
 
     name: str
     diffusion: float
-    """far from walls, m^2/s (V^2/s for a record in volts)"""
+    """diffusion coefficient far from walls, m^2/s (V^2/s for a record in volts)"""
     uncertainty: float
-    """standard uncertainty"""
+    """standard uncertainty of `diffusion`"""
     interval: tuple[float, float]
-    """95 %, by the profile of the likelihood; from 0 if no diffusion is seen"""
+    """95 % confidence interval, by the profile of the likelihood; from 0 if no diffusion is seen"""
     inferred: Inferred | None
-    """None without a temperature, or for a record in volts"""
+    """quantity that follows from the diffusion; None without temperature, or for volts"""
     expected: float | None
-    """by Einstein, m^2/s; None unless temperature and drag are known"""
+    """Einstein's diffusion coefficient, m^2/s; None unless temperature and drag are known"""
     findings: tuple[Finding, ...]
-    """what speaks against it"""
+    """reasons not to trust the diffusion"""
     remarks: tuple[str, ...]
     """what was left out, or widens the interval"""
     axes: ByAxis[FreeAxis]
@@ -154,7 +156,7 @@ class Diffusion(Result):
         return of(self.diffusion, self.uncertainty, *(each.text for each in self.findings))
 
     def quantities(self) -> Iterator[Measured]:
-        """The diffusion, the quantity that follows from it, and the diffusion by Einstein."""
+        """Yield the diffusion, the quantity that follows from it, and Einstein's diffusion."""
         yield self.coefficient()
         if (found := self.inferred) is not None:
             yield INFERRED[found.name](
@@ -169,7 +171,7 @@ class Diffusion(Result):
         return self.inferred is not None or self.expected is not None
 
     def card(self) -> Card:
-        """The diffusion, and what it tells, with what speaks against it."""
+        """Card with the diffusion, the quantities that follow from it, and the findings."""
         low, high = self.interval
         unit = "m^2/s" if self._metric else "in the square of the record's unit per second"
         told = with_uncertainty(self.diffusion, self.uncertainty)
@@ -204,7 +206,10 @@ class Diffusion(Result):
         return "; ".join(parts)
 
     def lines(self, unit: str, seen: str = _NO_TRAP) -> Iterator[str]:
-        """Yield that line; below it what was left out, the findings, and how the tracks differ."""
+        """Yield `line`, then the remarks, the findings and the differences between the tracks.
+
+        `unit` is that of the positions, "m" or "V"; `seen` is the text before the diffusion.
+        """
         yield self.line(unit, seen)
         for text in (*self.remarks, *(f"not trusted: {each.text}" for each in self.findings)):
             yield f"   {text}"
@@ -229,20 +234,20 @@ def _with_interval(found: Measured, ends: tuple[float, float]) -> str:
 
 
 class Given(NamedTuple):
-    """What is known of a free bead, SI; None: not known."""
+    """Known properties of a free bead, its medium and its recording, in SI; None if unknown."""
 
     temperature: float | None = None
     radius: float | None = None
     viscosity: float | None = None
     drag: float | None = None
-    """far from walls; with the radius and the viscosity it is theirs"""
+    """Stokes drag far from walls, kg/s"""
     exposure: float | None = None
     noise: Mapping[str, float] = {}
-    """along each axis; none: not known"""
+    """standard deviation of the localisation error by axis, m; missing axes are unknown"""
     mobilities: Mapping[str, float] = {}
-    """along each axis, of that far from walls: 1 if not given"""
+    """mobility by axis, over the mobility far from walls; 1 for missing axes"""
     unit: str = "m"
-    """of the positions"""
+    """unit of the positions, "m" or "V\""""
     without: Sequence[tuple[float, float]] = ()
     """bands of frequencies (Hz) that are not used"""
 
@@ -257,6 +262,7 @@ def not_trapped(
     """
 
     def fitted(axes: Sequence[str]) -> Diffusion | None:
+        """Return the diffusion along some axes; None if it cannot be determined."""
         columns = [i for i, axis in enumerate(found) if axis in axes]
         try:
             return free_bead(name, axes, [positions[:, columns]], step, given)
@@ -264,6 +270,7 @@ def not_trapped(
             return None
 
     def free(axis: str, against: set[str]) -> bool:
+        """Return whether the bead is free along an axis, by the names of its findings."""
         if against & {"free", "drift"} == {"free"}:
             return True
         alone = fitted([axis]) if against & _OBJECTIONS else None
@@ -318,6 +325,7 @@ def free_bead(
     def misfit(a: float) -> float:
         return sum(fit.misfit(a) for fit in every)
 
+    # best: ln(2 D dt) common to all axes, D in m^2/s and dt the sampling interval in s
     best, least = _least(misfit, float(np.mean([fit.best for fit in every])))
     informations = [fit.information(best) for fit in every]
     information = sum(informations)
@@ -372,8 +380,9 @@ def free_bead(
 def _held(fits: Sequence[_Fit], best: float, freedom: float) -> list[Finding]:
     """Return a finding for tracks that end closer to their beginning than those of free beads.
 
-    A drift can only lead away from the beginning. The test is Fisher's F for the fitted drifts;
-    `freedom` is the number of degrees of freedom of D.
+    A drift can only lead away from the beginning. The test is Fisher's F for the fitted drifts.
+    `best` is ln(2 D dt) common to all axes (D: diffusion, m^2/s; dt: sampling interval, s), and
+    `freedom` the number of degrees of freedom of D.
     """
     squares = np.concatenate([fit.drifts_squared(best) for fit in fits])
     if float(fdtr(len(squares), freedom, squares.mean())) >= IMPROBABLE:
@@ -388,7 +397,12 @@ def _held(fits: Sequence[_Fit], best: float, freedom: float) -> list[Finding]:
 def _alone(
     fits: Sequence[_Fit], best: float, names: Sequence[str], step: float, wider: float
 ) -> tuple[tuple[FreeTrack, ...], float | None]:
-    """Each of several tracks by itself, and the probability of tracks that differ as much."""
+    """Return the diffusion of each of several tracks, and the p-value of one diffusion for all.
+
+    `best` is ln(2 D dt) for the D, m^2/s, of all tracks and the sampling interval dt = `step`, s.
+    The noise along each axis is that fitted to all tracks. `wider` is the factor by which heavy
+    tails increase the variance of ln D. Returns nothing and None for a single track.
+    """
     if len(names) < 2:
         return (), None
     pairs = [(fit, *fit.noise_beside(best)) for fit in fits]
@@ -403,6 +417,7 @@ def _alone(
             continue
 
         def b(a: float, noise: float, ratio: float) -> float:
+            """Return ln B for a = ln A; B = ratio A + noise (`_Fit.noise_beside`)."""
             return math.log(ratio * math.exp(a) + noise)
 
         def misfit(a: float, parts: list[tuple[Steps, float, float, float]] = parts) -> float:
@@ -426,7 +441,7 @@ def _alone(
 
 
 def _remarks(fits: Sequence[_Fit], step: float) -> tuple[str, ...]:
-    """What was left out, what widens the interval, and what looks odd."""
+    """Return remarks: steps left out as jumps, heavy tails, and steps that look smoothed."""
     said = []
     jumps = [f"{step * jump:.4g} s ({fit.axis})" for fit in fits for jump in fit.jumps]
     if of_all := sum(fit.left_out for fit in fits) - len(jumps):
@@ -445,7 +460,7 @@ def _remarks(fits: Sequence[_Fit], step: float) -> tuple[str, ...]:
 
 
 def _least(misfit: Callable[[float], float], about: float) -> tuple[float, float]:
-    """Where it is smallest, and that misfit."""
+    """Return the argument within `_SOUGHT` of `about` that minimises a misfit, and its minimum."""
     found = minimize_scalar(
         misfit, bounds=(about - _SOUGHT, about + _SOUGHT), method="bounded",
         options={"xatol": EXACT},
@@ -456,7 +471,10 @@ def _least(misfit: Callable[[float], float], about: float) -> tuple[float, float
 def _ends(
     misfit: Callable[[float], float], best: float, least: float, level: float
 ) -> tuple[float, float]:
-    """Where the misfit has risen by `level`; infinite where it does not."""
+    """Return the arguments below and above `best` at which a misfit exceeds `least` by `level`.
+
+    `least` is the misfit at `best`. An end is infinite if the misfit does not rise as much.
+    """
 
     def above(a: float) -> float:
         return misfit(a) - least - level
@@ -469,7 +487,10 @@ def _ends(
 
 
 def _inferred(given: Given, D: float, ends: tuple[float, float]) -> Inferred:
-    """By Einstein and Stokes, k_B T = 6 pi mu r D."""
+    """Return the unknown quantity in k_B T = 6 pi mu r D (Einstein and Stokes).
+
+    mu is the viscosity and r the radius. `D`, m^2/s, has the confidence interval `ends`.
+    """
     assert given.temperature is not None
     kT, radius, viscosity = Boltzmann * given.temperature, given.radius, given.viscosity
     if given.drag is not None:
@@ -486,12 +507,18 @@ def _inferred(given: Given, D: float, ends: tuple[float, float]) -> Inferred:
 
 @dataclass(frozen=True)
 class _Fit:
-    """One axis by itself. The unknown a is ln(2 D dt), D in m^2/s far from walls."""
+    """Fit of the diffusion of a free bead along one axis.
+
+    D, m^2/s, is the diffusion coefficient far from walls and dt, s, the sampling interval. The
+    parameter common to all axes is ln(2 D dt). That of one axis is ln A, with A = 2 D dt times the
+    mobility beside walls, in units of the mean squared step. B = A + 4 s is the power of the steps
+    at Nyquist's frequency in the same unit, with -s the covariance of successive steps (`Steps`).
+    """
 
     axis: str
     steps: Steps
     shift: float
-    """ln A is a + shift"""
+    """ln A of this axis less ln(2 D dt)"""
     known: tuple[float, float] | None
     """exposure over the step, and squared noise over the mean squared step; None: s is fitted"""
     jumps: tuple[int, ...]
@@ -507,12 +534,16 @@ class _Fit:
     without: Sequence[tuple[float, float]]
     """bands of frequencies (Hz) that are not used"""
     by_covariance: tuple[float, float]
+    """diffusion coefficient by covariances of steps, and its standard uncertainty, m^2/s"""
     halves: float
     """difference of the diffusion between the halves, in its standard uncertainties"""
 
     @classmethod
     def of(cls, axis: str, tracks: Sequence[Array], step: float, given: Given) -> _Fit | None:
-        """Return the fit of positions (n,), m, of each track; None if all steps are the same."""
+        """Return the fit to the positions (n,), m, of each track, sampled every `step`, s.
+
+        Steps that are jumps are left out. None if all steps are the same or too few remain.
+        """
         moves = [np.diff(x) for x in tracks]
         every = np.concatenate(moves)
         every = every[np.isfinite(every)]
@@ -555,17 +586,21 @@ class _Fit:
         )  # fmt: skip
 
     def noisy(self, a: float) -> bool:
-        """Return whether no diffusion is seen beside the noise, at the common a."""
+        """Return whether noise hides the diffusion, for the common a = ln(2 D dt)."""
         return self._at(a + self.shift)[1] - a - self.shift > _NO_DIFFUSION
 
     def noise_beside(self, a: float) -> tuple[float, float]:
-        """4 s where noise prevails, and B/A where the exposure does, at the common a."""
+        """Return a number n and a ratio r with B = r A + n, for the common a = ln(2 D dt).
+
+        Other tracks have the same n = 4 s (and r = 1) if noise prevails, B > A, and the same
+        r = B/A (and n = 0) if the exposure does.
+        """
         A = math.exp(a + self.shift)
         B = math.exp(self._at(a + self.shift)[1])
         return (B - A, 1.0) if B > A else (0.0, B / A)
 
     def _noisy(self, a: float) -> tuple[float, float]:
-        """ln B as exposure and noise make it, and its slope by ln A."""
+        """Return ln B for the known exposure and noise, and its slope by ln A, for a = ln A."""
         assert self.known is not None
         exposure, noise = self.known
         A = math.exp(a)
@@ -582,7 +617,7 @@ class _Fit:
         return bool(chdtrc(1, max(as_known - fitted, 0.0)) < IMPROBABLE)
 
     def _at(self, a: float) -> tuple[float, float]:
-        """The smallest misfit with that ln A, and its ln B."""
+        """Return the misfit for a = ln A, and ln B: as known, or where the misfit is smallest."""
         if self.known is None or self.contradicted:
             return self.steps.best(a)
         b = self._noisy(a)[0]
@@ -590,36 +625,42 @@ class _Fit:
 
     @property
     def _start(self) -> float:
-        """ln A by the covariances."""
+        """First guess of ln A, from the covariances of successive steps."""
         D, _ = self.by_covariance
         return math.log(max(2 * D * self.steps.step / self.steps.square, _LEAST_START))
 
     @cached_property
     def own(self) -> tuple[float, float, float]:
-        """ln A and ln B that fit this axis best, and the misfit."""
+        """ln A and ln B with the smallest misfit of this axis, and this misfit."""
         a, least = _least(lambda a: self._at(a)[0], self._start)
         return a, self._at(a)[1], least
 
     @property
     def best(self) -> float:
-        """a of this axis."""
+        """ln(2 D dt), m^2, that fits this axis best."""
         return self.own[0] - self.shift
 
     def drifts_squared(self, a: float) -> Array:
-        """Return the square of each track's drift over its uncertainty, at the common a."""
+        """Return the squared ratio of each track's drift to its uncertainty, (tracks,).
+
+        a is the common ln(2 D dt).
+        """
         drifts, errors = self.steps.drifts(a + self.shift, self._at(a + self.shift)[1])
         return np.asarray((drifts / errors) ** 2)
 
     def misfit(self, a: float) -> float:
-        """-2 times the log-likelihood, over drift and, unless known, s."""
+        """Return -2 log(likelihood) for the common a = ln(2 D dt).
+
+        The likelihood is integrated over the drifts and maximised over s, unless s is known.
+        """
         return self._at(a + self.shift)[0]
 
     def diffusion(self, step: float) -> float:
-        """Along this axis, m^2/s."""
+        """Return the diffusion coefficient along this axis, m^2/s, for sampling every `step`, s."""
         return math.exp(self.own[0]) * self.steps.square / (2 * step)
 
     def information(self, a: float) -> float:
-        """Fisher's, of a."""
+        """Return Fisher's information on the common a = ln(2 D dt)."""
         own = a + self.shift
         b = self._at(own)[1]
         drifts = len(set(self.of_track))
@@ -630,7 +671,7 @@ class _Fit:
         return float(along @ matrix @ along)
 
     def findings(self, step: float) -> Iterator[Finding]:
-        """What speaks against a free bead with a steady drift."""
+        """Yield the findings against a free bead with a steady drift, sampled every `step`, s."""
         ratios, means = self.steps.ratios(*self.own[:2])
         if self.contradicted:
             text = "exposure and noise as given contradict the record: both are fitted"
@@ -658,7 +699,10 @@ class _Fit:
 
     @cached_property
     def p_value(self) -> float:
-        """By the mean squares in bands of the spectrum, of which two parameters are fitted."""
+        """Probability of spectra of the steps that differ as much or more from the fitted one.
+
+        It compares the mean squares in `_BANDS` bands, less two degrees of freedom for A and B.
+        """
         ratios, means = (np.array_split(each, _BANDS) for each in self.steps.ratios(*self.own[:2]))
         squares = sum(
             float(band.sum() - mean.sum()) ** 2 / (2 * float(mean.sum()))
@@ -674,7 +718,7 @@ class _Fit:
         return b - a < math.log(_WHOLE_EXPOSURE) and bool(chdtrc(1, max(rise, 0.0)) < IMPROBABLE)
 
     def result(self, step: float, given: Given) -> FreeAxis:
-        """This axis, in public."""
+        """Return the result for this axis, sampled every `step`, s."""
         a, b, least = self.own
         wider = 1 + self.tails * self.information(self.best) / self.steps.count
         ends = _ends(lambda a: self._at(a)[0], a, least, _LEVEL * wider)
@@ -688,15 +732,19 @@ class _Fit:
         )  # fmt: skip
 
     def _drift(self, a: float, b: float) -> tuple[float, float]:
-        """Drift, m/s, and its standard uncertainty: the weighted mean of the tracks'."""
+        """Return the mean drift of the tracks and its standard uncertainty, m/s.
+
+        a and b are ln A and ln B. The mean is weighted by the uncertainties of the tracks' drifts.
+        """
         drifts, errors = self.steps.drifts(a, b)
         weights = 1 / errors**2
         return float(weights @ drifts / weights.sum()), 1 / math.sqrt(weights.sum())
 
     def _noise(self, exposure: float) -> tuple[float | None, float]:
-        """Standard deviation of the localisation error, m, if it is seen, and its upper limit.
+        """Return the standard deviation of the localisation error, m, and its 95 % upper limit.
 
-        exposure: over the step.
+        The first is None if the error is too small to be determined. `exposure` is the exposure
+        time over the sampling interval.
         """
         A, B = map(math.exp, self.own[:2])
         slopes = np.array([A * (exposure / 6 - 1 / 4), B / 4])
@@ -711,10 +759,12 @@ class _Fit:
 def _by_covariance(
     pieces: Sequence[Array], of_track: Sequence[int], step: float
 ) -> tuple[tuple[float, float], float]:
-    """D and its uncertainty, m^2/s, by covariances; and by how much its halves differ.
+    """Return the diffusion and its uncertainty, m^2/s, and the difference between the halves.
 
-    Vestergaard et al., (14) and (16), the drift of each track being its mean step. Several tracks
-    have no halves.
+    The estimate uses the means of squared steps and of products of successive steps (Vestergaard et
+    al., (14) and (16)), less the mean step of each track. `pieces` are rows of steps, m, sampled
+    every `step`, s, and `of_track` the number of the track of each. The difference is in standard
+    uncertainties, and 0 for several tracks.
     """
     tracks = set(of_track)
     count = sum(map(len, pieces)) / len(tracks)
@@ -731,7 +781,7 @@ def _by_covariance(
         square, product = float(squares[part].mean()), float(products[part].mean())
         n = len(squares[part])
         D, s = (square / 2 + product) / step, -product
-        ratio = s / (D * step)
+        ratio = s / (D * step)  # epsilon of Vestergaard et al.
         relative = (6 + 4 * ratio + 2 * ratio**2) / n + 4 * (1 + ratio) ** 2 / n**2
         return D * (1 + 3 / count), abs(D) * math.sqrt(relative)
 

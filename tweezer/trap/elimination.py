@@ -16,19 +16,21 @@ _NUMBERS = types.float64[::1]
     error_model="numpy", nogil=True,
 )  # fmt: skip
 def mean_times(rates: Any, lost: Any, spent: Any, times: Any) -> None:
-    """Fill in the mean times until the chain is lost.
+    """Compute the mean time until a Markov chain of n states is lost, from each state.
 
-    rates: (n, 2 w + 1) 1/s, [i, w + k] from state i to i + k; overwritten. lost: (n,) 1/s, rates at
-    which a state is lost. spent: (n,) ones, or 0 of a state that is lost from the
-    outset; both overwritten. times: (n,) s.
+    `rates` (n, 2 w + 1), 1/s, has the rate from state i to i + k in [i, w + k], with w the largest
+    distance of states that are linked. `lost` (n,), 1/s, are the rates at which states are lost.
+    `spent` (n,) is 1, or 0 for a state that counts as lost from the outset. These three are
+    overwritten. `times` (n,), s, is filled in.
 
-    Grassmann, Taksar, Heyman, Oper. Res. 33, 1107 (1985): as all terms are positive, every time has
-    the accuracy of the rates, however long it is.
+    States are eliminated one by one, without subtractions (Grassmann, Taksar, Heyman, Oper. Res.
+    33, 1107 (1985)). As all terms are positive, every time has the accuracy of the rates, however
+    long it is.
     """
     n, width = rates.shape[0], (rates.shape[1] - 1) // 2
     for s in range(n):
         last = min(s + width, n - 1)
-        left = lost[s]
+        left = lost[s]  # total rate out of state s, to later states alone
         for j in range(s + 1, last + 1):
             left += rates[s, width + j - s]
         if left == 0.0:

@@ -1,4 +1,8 @@
-"""The mean time until thermal motion takes a bead out of a region, in a field round an axis."""
+"""Mean time until thermal motion takes a bead out of a region, in a field round an axis.
+
+The bead moves in a half plane with the coordinates rho, the distance from the axis, and z, the
+height on it.
+"""
 
 from __future__ import annotations
 
@@ -12,10 +16,10 @@ from numpy.typing import NDArray
 
 from tweezer.values.arrays import Array
 
-#: force across and along the axis, N, and mobilities across and along it, s/kg, (n,) each, at
-#: distances from the axis and heights on it, (n,) m
+#: Function from distances rho from the axis and heights z on it, (n,) m, to the force across and
+#: along the axis, (n,) N, and the mobility across and along it, (n,) s/kg
 Field = Callable[[Array, Array], tuple[Array, Array, Array, Array]]
-#: Part of a grid: heights, distances
+#: Part of a grid, by the numbers of its heights and of its distances from the axis
 Slices = tuple[slice, slice]
 
 #: Smallest part of the radius, or of an edge, that counts
@@ -28,22 +32,23 @@ _FINER = 0.6
 
 @dataclass(frozen=True)
 class Region:
-    """A ball about the origin, between heights where there may be walls; and its nodes."""
+    """Ball about the origin, perhaps cut off by walls, that a bead leaves, and the nodes in it."""
 
     radius: float
-    """m; a bead this far from the origin is out"""
+    """radius of the ball, m; a bead this far from the origin has left the region"""
     finest: float
-    """least distance of nodes, m"""
+    """smallest distance of two nodes, m"""
     low: float = -math.inf
-    """heights between which a bead is, m: it does not get past them"""
+    """height of the lower wall, m, which the bead does not pass"""
     high: float = math.inf
+    """height of the upper wall, m, which the bead does not pass"""
     centre: float = 0.0
-    """height at which nodes are closest, m"""
+    """height on the axis about which nodes are closest, m"""
     growth: float = _GROWTH
-    """of the distance of nodes with the distance from there"""
+    """growth of the distance of nodes per distance from there, a number"""
 
     def finer(self, height: float) -> Region:
-        """With about half the distances, and closest at a height."""
+        """Return the region with nodes about half as far apart, closest at `height`, m."""
         return dataclasses.replace(
             self, finest=self.finest / 2, centre=height, growth=_FINER * self.growth
         )
@@ -53,11 +58,18 @@ class Region:
         return self._graded(self.radius)
 
     def has(self, across: Array, along: Array) -> NDArray[np.bool_]:
-        """Which nodes are in the region, (heights, distances)."""
+        """Return which nodes are in the ball, (heights, distances).
+
+        `across` are the distances of the nodes from the axis, and `along` their heights, m.
+        """
         return np.hypot(along[:, None], across) < self.radius * (1 - _SAME)
 
     def share(self, across: Array, along: Array, begin: Slices, end: Slices) -> Array:
-        """Part of each edge from a node within to one beyond that is in the ball."""
+        """Return the fraction of each edge that is inside the ball, for edges that leave it.
+
+        The edges lead from the nodes of the part `begin` of the grid to those of `end`, neighbours
+        along one coordinate. `across` are the distances from the axis and `along` the heights, m.
+        """
         rho = np.broadcast_to(across, (len(along), len(across)))
         z = np.broadcast_to(along[:, None], rho.shape)
         from_rho, from_z, to_rho, to_z = rho[begin], z[begin], rho[end], z[end]
@@ -75,7 +87,10 @@ class Region:
         return nearest + np.concatenate([-below[:0:-1], above])
 
     def _graded(self, end: float) -> Array:
-        """Places from 0 to `end`, an odd number of them."""
+        """Return coordinates from 0 to `end`, m, whose distances grow from `finest` with `growth`.
+
+        Their number is odd, so that every other one of them spans the same range.
+        """
         if end <= 0:
             return np.zeros(1)
         stretch = self.growth * end / self.finest
@@ -86,15 +101,20 @@ class Region:
 
 @dataclass(frozen=True)
 class Edges:
-    """Neighbouring nodes along one coordinate: how hard it is to get from one to the other."""
+    """Work and mobility on the edges between neighbouring nodes along one coordinate."""
 
     work: Array
-    """of the force on the way, in k_B T"""
+    """work of the force on the way to the next node, in k_B T; (heights, distances) less one in the
+    coordinate of the edges"""
     mobility: Array
-    """s/kg"""
+    """mobility in the middle of each edge, s/kg, of the same shape"""
 
     def coarse(self, axis: int) -> Edges:
-        """Between every other node: `axis` is the coordinate of the edges."""
+        """Return the edges between every other node; `axis` is the index of their coordinate.
+
+        0 is the height and 1 the distance from the axis. Works of two edges add up, and so do the
+        inverse mobilities.
+        """
         even, odd, kept = slice(None, None, 2), slice(1, None, 2), slice(None, None, 2)
         first, second = ((kept, even), (kept, odd)) if axis else ((even, kept), (odd, kept))
         mobility = 2 / (1 / self.mobility[first] + 1 / self.mobility[second])
@@ -110,13 +130,13 @@ class Grid:
     along: Array
     """their heights, m"""
     to_side: Edges
-    """(heights, distances - 1)"""
+    """edges to the next distance from the axis, (heights, distances - 1)"""
     upwards: Edges
-    """(heights - 1, distances)"""
+    """edges to the next height, (heights - 1, distances)"""
 
     @classmethod
     def of(cls, region: Region, field: Field, energy: float) -> Grid:
-        """The grid of a region in a field; energy: k_B T, J."""
+        """Return the grid of a region, with the work in a field over `energy` = k_B T, J."""
         across, along = region.across(), region.along()
         inside = _with_neighbours(region.has(across, along))
         z, rho = np.meshgrid(along, (across[1:] + across[:-1]) / 2, indexing="ij")
@@ -130,20 +150,26 @@ class Grid:
         return cls(across, along, Edges(to_side, mobile), Edges(upwards, mobile_up))
 
     def coarse(self) -> Grid:
-        """Every other node."""
+        """Return the grid of every other node in both coordinates."""
         return Grid(
             self.across[::2], self.along[::2], self.to_side.coarse(1), self.upwards.coarse(0)
         )
 
 
 def _with_neighbours(nodes: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Also the nodes next to them, which `Grid.coarse` needs."""
+    """Return a mask of nodes (heights, distances) extended by their neighbours.
+
+    `Grid.coarse` needs the field at the neighbours too.
+    """
     padded = np.pad(nodes, 1)
     return nodes | padded[2:, 1:-1] | padded[:-2, 1:-1] | padded[1:-1, 2:] | padded[1:-1, :-2]
 
 
 def _at(field: Field, rho: Array, z: Array, wanted: NDArray[np.bool_]) -> list[Array]:
-    """The field where it is wanted; elsewhere ones."""
+    """Return the four arrays of a field at the points (`rho`, `z`), m, that are `wanted`.
+
+    All arrays have the same two-dimensional shape. Elsewhere the field is not computed, and 1.
+    """
     found = []
     for each in field(rho[wanted], z[wanted]):
         whole = np.ones(rho.shape)
@@ -153,10 +179,11 @@ def _at(field: Field, rho: Array, z: Array, wanted: NDArray[np.bool_]) -> list[A
 
 
 def _works(nodes: Array, force: Array, wanted: NDArray[np.bool_]) -> Array:
-    """Work over each edge between nodes, J, from the force in its middle, (edges, lines) N.
+    """Return the work over each edge between nodes, (edges, lines) J, from the force in its middle.
 
-    The curvature of the force is that of the neighbours: without it the works of long edges are
-    wrong by tenths of k_B T.
+    `nodes` (edges + 1,), m, are the coordinates along the edges, and `force` (edges, lines), N, is
+    along them. The second derivative of the force follows from the neighbouring edges where those
+    are `wanted`. Without it the works of long edges are wrong by tenths of k_B T.
     """
     edge, middle = np.diff(nodes)[:, None], (nodes[1:] + nodes[:-1]) / 2
     curvature = np.zeros_like(force)
@@ -198,7 +225,12 @@ def mean_time(grid: Grid, region: Region, start: tuple[float, float], energy: fl
     every, first, last = slice(None), slice(None, -1), slice(1, None)
 
     def link(begin: Slices, end: Slices, step: int, edge: Array, work: Array, unit: Array) -> None:
-        """Rates from the nodes of `begin` to those of `end`; unit: of them, times m, m/s."""
+        """Fill in the rates, 1/s, from the nodes of `begin` to their neighbours in `end`.
+
+        `step` is the difference of the numbers of these nodes, `edge` their distance, m, and `work`
+        the work between them, k_B T. `unit`, m/s, times a Bernoulli function over the edge is a
+        rate. If only the first node is in the ball, the rate is one of leaving it.
+        """
         here, there = inside[begin], inside[end]
         rates[(*begin, width + step)] = np.where(here & there, unit / edge * _bernoulli(-work), 0.0)
         share = np.where(here & ~there, region.share(across, along, begin, end), 1.0)
@@ -206,6 +238,7 @@ def mean_time(grid: Grid, region: Region, start: tuple[float, float], energy: fl
         lost[begin] += np.where(here & ~there, leaving, 0.0)
 
     middle = (across[1:] + across[:-1]) / 2
+    # a node is a ring of area 2 pi `areas` with an edge of length 2 pi `middle`: 2 pi cancels
     areas = np.diff(np.concatenate([[0.0], middle, across[-1:]]) ** 2) / 2
     edge, side = np.diff(across), grid.to_side
     unit = energy * side.mobility * middle
@@ -225,7 +258,7 @@ def mean_time(grid: Grid, region: Region, start: tuple[float, float], energy: fl
 
 
 def _bernoulli(x: Array) -> Array:
-    """x/(exp(x) - 1)."""
+    """Return the Bernoulli function x/(exp(x) - 1), as 1 - x/2 near 0."""
     small = np.abs(x) < 1e-5
     with np.errstate(over="ignore"):
         return np.where(small, 1 - x / 2, x / np.expm1(np.where(small, 1.0, x)))

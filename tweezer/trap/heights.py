@@ -1,4 +1,4 @@
-"""A trap against the height of its focus above a wall: the curves that touch down in a chamber."""
+"""Trap as a function of the height of its focus above a wall."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def trap_over_heights(
 
 
 def checked_heights(heights: QuantitiesLike) -> Array:
-    """`heights` as an array, or `SceneError` if they are none."""
+    """Return `heights` as an array (n,), m; raise `SceneError` if any is not a valid height."""
     given = numbers_in_si("heights", heights, "m", SceneError)
     if given.ndim != 1 or not given.size:
         raise SceneError(f"heights: must be a list, not of shape {given.shape}")
@@ -106,7 +106,7 @@ def checked_heights(heights: QuantitiesLike) -> Array:
 
 
 def at_height(scene: SceneLike, height: float) -> Scene:
-    """`scene` with the nominal focus at that height above the wall, m; see `trap_over_heights`."""
+    """Return `scene` with its nominal focus at `height`, m, from the wall (`trap_over_heights`)."""
     scene = checked_scene(scene)
     wall = scene.wall
     normal = wall.normal if wall else 1.0
@@ -118,7 +118,8 @@ def at_height(scene: SceneLike, height: float) -> Scene:
         changes["lens"] = {"cover": {"depth": height}}
         if scene.optics.evaluator == "map":
             changes["optics"] = {"evaluator": "quadrature"}
-    room = max(0.0, 2 * scene.body.size - height)  # a start in the fluid
+    # distance of the start from the focus, away from the wall, so that the bead begins in the fluid
+    room = max(0.0, 2 * scene.body.size - height)
     changes["start"] = {
         "frame": "focus", "position": (0.0, 0.0, normal * room), "drawn": "no", "ball_radius": None,
     }  # fmt: skip
@@ -127,12 +128,15 @@ def at_height(scene: SceneLike, height: float) -> Scene:
 
 
 def _said_once() -> contextlib.AbstractContextManager[object]:
-    """A context without the caveat of ray optics, which is the same at every height."""
+    """Return a context that suppresses the warning about ray optics, the same at every height."""
     return warnings.catch_warnings(action="ignore", category=PhysicsWarning)
 
 
 def _trapped(problem: Problem) -> tuple[str, dict[str, Any]]:
-    """What becomes of the bead, and the variables at its equilibrium."""
+    """Return the state of the bead at one height, and its variables there by name, in SI.
+
+    The state is one of the texts of `trap_over_heights`; there are no variables unless it is held.
+    """
     place = nearest_stable(problem.equilibria(problem.net_force_apart))
     if place is None:
         if problem.rings(problem.net_force_apart):
@@ -156,9 +160,14 @@ def _trapped(problem: Problem) -> tuple[str, dict[str, Any]]:
 def _dataset(
     scene: Scene, heights: Array, states: list[str], rows: list[dict[str, Any]], status: str
 ) -> xr.Dataset:
+    """Return the dataset of `trap_over_heights` from the results at each height.
+
+    `heights` (n,), m, `states` and `rows`, the variables by name, have one entry for each height.
+    """
     import xarray as xr
 
     def column(name: str, like: Any) -> Array:
+        """Return a variable at all heights, with `like`, NaN or a vector, where it is missing."""
         return np.array([row.get(name, like) for row in rows]).reshape(-1, *np.shape(like))
 
     vector = {

@@ -58,7 +58,7 @@ _UNITS = (
 
 @dataclass(frozen=True, repr=False)
 class Lifetime(Shown):
-    """How long thermal motion leaves a bead in its trap."""
+    """Mean time for which a bead stays in its trap in thermal motion."""
 
     time: float
     """mean time from the equilibrium until the bead is lost, s; infinite if longer than 1e20 s"""
@@ -68,7 +68,7 @@ class Lifetime(Shown):
     """distance from the focus at which the bead is lost, m"""
 
     def card(self) -> Card:
-        """How long, and until where."""
+        """Card with the mean time, and the distance at which the bead is lost."""
         far = Row("lost at", f"{micrometres(self.lost_at)} um from the focus")
         return Card("Lifetime", "", (Row("held for", self.words), far))
 
@@ -100,9 +100,10 @@ def lifetime(
     reach: float,
     force_error: float,
 ) -> Lifetime | None:
-    """Return the lifetime of the trap of `scene`, of which the rest is known: see `Trap.lifetime`.
+    """Return the lifetime of a trap, as `Trap.lifetime` describes; None if it has none.
 
-    held: what holds the bead.
+    `held` is the equilibrium or ring that holds the bead, `escapes` its straight ways out, `reach`,
+    m, the distance to which the trap was searched, and `force_error`, N, the error of the force.
     """
     if held is None:
         return None
@@ -129,9 +130,10 @@ def lifetime(
 
 
 def time_without_light(scene: Scene, held: Equilibrium | Ring, reach: float) -> Lifetime:
-    """Return the mean time until the same bead is lost from the same place without light.
+    """Return the mean time until the bead is lost from the position of its trap without light.
 
-    Thermal motion and the weight take it to the same distance, between the same walls.
+    Thermal motion and the weight take it to the same distance from the focus, `reach`, m, or less,
+    between the same walls. `held` is the equilibrium or ring at which it begins.
     """
     problem = bound_once(scene)
     radius = min(reach, scene.simulation.loss_distance)
@@ -156,11 +158,16 @@ def adds_nothing(held: Lifetime, without_light: Lifetime | None) -> str:
 def doubt(
     scene: Scene, held: Equilibrium | Ring | None, reach: float, absorbed_power: float | None
 ) -> str | None:
-    """What speaks against the lifetime, or why there is none: see `Trap.lifetime_caveat`."""
+    """Return what the lifetime leaves out, or why there is none; None if nothing.
+
+    `held` is the equilibrium or ring that holds the bead, `reach`, m, the distance to which the
+    trap was searched, and `absorbed_power`, W, the power that the bead absorbs.
+    """
     if held is None:
         return None
     if why := _not_computed(bound_once(scene), held, reach):
         return f"not computed {why}"
+    # temperature rise of a sphere's surface, by the conduction of heat through water
     warmer = (absorbed_power or 0.0) / (4 * math.pi * _WATER * scene.bead.radius)
     if warmer < _WARM:
         return None
@@ -170,20 +177,27 @@ def doubt(
 
 
 def _start(held: Equilibrium | Ring) -> tuple[float, float]:
-    """rho and z of what holds the bead, m."""
+    """Return the distance from the axis and the height of an equilibrium or ring, m."""
     x, y, z = held.position
     return math.hypot(x, y), float(z)
 
 
 def _quality(problem: Problem, held: Equilibrium | Ring) -> float:
-    """sqrt(k m)/beta_v of the stiffest direction: how far inertia carries the bead."""
+    """Return the quality factor sqrt(k m)/beta of the stiffest direction, a number.
+
+    k is the stiffness, m the mass and beta the drag. Inertia is negligible far below 1.
+    """
     stiffest = float(np.linalg.eigvals(held.stiffness).real.max())
     mobility = float(problem.mobilities(np.array([held.position]))[0, TRANSLATION].max())
     return problem.linear.quality(stiffest, mobility)
 
 
 def _not_computed(problem: Problem, held: Equilibrium | Ring, reach: float) -> str:
-    """Why the lifetime of a trap is not computed; empty if it is."""
+    """Return the reason why the lifetime of a trap is not computed; empty if it is.
+
+    `held` is the equilibrium or ring that holds the bead, and `reach`, m, the distance to which the
+    trap was searched.
+    """
     scene = problem.scene
     if len(scene.beams) > 1:
         return "for several beams"
@@ -205,7 +219,7 @@ def _not_computed(problem: Problem, held: Equilibrium | Ring, reach: float) -> s
 
 
 def _region(problem: Problem, radius: float) -> Region:
-    """Where the bead is not lost, between the walls of the scene."""
+    """Return the region within `radius`, m, of the focus, and between the walls of the scene."""
     scene = problem.scene
     finest = _FINE_RADII * scene.body.size + _FINE_SAMPLES * problem.light.search.spacing
     low, high = -math.inf, math.inf
@@ -216,9 +230,10 @@ def _region(problem: Problem, radius: float) -> Region:
 
 
 def _field(problem: Problem, start: tuple[float, float], side: int, *, dark: bool = False) -> Field:
-    """Return the forces and mobilities in the half plane along x (side 0) or y (1).
+    """Return the field of force and mobility in the half plane along x (`side` 0) or y (1).
 
-    dark: without light.
+    Without a wall the mobility is that at the height of `start` (rho, z), m. `dark` leaves out the
+    force of the light.
     """
     weight = problem.bead.weight[2]
     free = problem.mobilities(np.array([[0.0, 0.0, start[1]]]))[0]
@@ -238,7 +253,11 @@ def _field(problem: Problem, start: tuple[float, float], side: int, *, dark: boo
 
 
 def _least_work(region: Region, field: Field, start: tuple[float, float]) -> float:
-    """Least work on the straight ways from `start` out of a region, or to its walls, J."""
+    """Return the smallest work, J, on the straight ways from `start` out of a region.
+
+    `start` is (rho, z), m. The ways lead along both coordinates, to the end of the region, to a
+    wall, or to the axis.
+    """
     rho, height = start
     to_side = np.linspace(rho, math.sqrt(region.radius**2 - height**2), _WAY)
     rim = math.sqrt(region.radius**2 - rho**2)
@@ -255,16 +274,19 @@ def _least_work(region: Region, field: Field, start: tuple[float, float]) -> flo
         inwards = np.linspace(rho, 0.0, _WAY)
         ways.append((inwards, field(inwards, still + height)[0]))
     return min(
-        -float(np.cumsum((force[1:] + force[:-1]) / 2 * np.diff(x)).min()) for x, force in ways
+        # the work against the force is largest at the barrier, where its sum is smallest
+        -float(np.cumsum((force[1:] + force[:-1]) / 2 * np.diff(x)).min())
+        for x, force in ways
     )
 
 
 def _log_time(
     region: Region, field: Field, start: tuple[float, float], energy: float
 ) -> tuple[float, float]:
-    """Logarithm of the mean time, s, and its error; on closer nodes if that is large.
+    """Return the logarithm of the mean time in s from `start` (rho, z), m, and its error.
 
-    A heavy bead may be held far from the focus, or in a narrow place.
+    `energy` is k_B T, J. If the error is large, closer nodes are used: a heavy bead may be held far
+    from the focus, or in a narrow place.
     """
     log, error = _extrapolated(region, field, start, energy)
     if error > _ENOUGH:
@@ -275,7 +297,11 @@ def _log_time(
 def _extrapolated(
     region: Region, field: Field, start: tuple[float, float], energy: float
 ) -> tuple[float, float]:
-    """The same by the nodes of the region and by every other one of them."""
+    """Return the logarithm of the mean time in s, extrapolated to a grid of closest nodes.
+
+    It follows from the time on the nodes of the region and on every other one of them, whose errors
+    differ by a factor of 4. Returns the error too; `start` is (rho, z), m, and `energy` k_B T, J.
+    """
     grid = Grid.of(region, field, energy)
     fine = mean_time(grid, region, start, energy)
     coarse = mean_time(grid.coarse(), region, start, energy)

@@ -1,4 +1,4 @@
-"""The least power that holds a bead in its trap for a time."""
+"""Minimum power that holds a bead in its trap for a given time."""
 
 from __future__ import annotations
 
@@ -28,22 +28,22 @@ _SHORTEST = 1e-6
 
 @dataclass(frozen=True, repr=False)
 class LeastPower(Shown):
-    """The least power through the pupil that holds a bead for a time."""
+    """Minimum power that holds a bead for a given time, as returned by `least_power`."""
 
     power: float
-    """W"""
+    """power through the pupil, W"""
     error: float
-    """estimated error, W"""
+    """estimated error of `power`, W"""
     lifetime: Lifetime
-    """at that power"""
+    """mean time for which the trap holds the bead at this power"""
     without_light: Lifetime | None = None
-    """of the same bead at the same place without light; None if `lifetime` is infinite"""
+    """mean time for which the bead stays there without light; None if `lifetime` is infinite"""
     no_trap_below: bool = False
     """whether just below that power there is no trap at all, as the light does not carry the bead's
     weight: the lifetime is then longer than was asked for"""
 
     def card(self) -> Card:
-        """The power, and the lifetime there."""
+        """Card with the minimum power, and the lifetimes with and without light."""
         factor, unit = usual_unit(self.power, "W")
         power = f"{with_uncertainty(self.power / factor, self.error / factor)} {unit}"
         below = "below it there is no equilibrium" if self.no_trap_below else ""
@@ -92,7 +92,7 @@ def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | No
         return characterise(scene.of_power(power))
 
     def above(log_power: float) -> float:
-        """Logarithm of the lifetime over the time wanted."""
+        """Return ln(lifetime/wanted) at a power, given as the logarithm of its value in W."""
         found = at(math.exp(log_power)).lifetime
         if found is None or found.time == 0.0:
             return -DEEP
@@ -110,7 +110,7 @@ def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | No
         low, high = low - _STRIDE, low
         if low < math.log(_LEAST):
             raise SceneError(f"time = {time!r}: so soon the bead is not lost even without a trap")
-    # on the side of the beads that are held
+    # add the tolerance, so that the power is on the side where the bead is held
     root = brentq(above, low, high, xtol=_POWER) + _POWER
     power, trap = math.exp(root), at(math.exp(root))
     found = trap.lifetime
