@@ -23,7 +23,7 @@ NEW = r"new-[0-9a-f]{16}"
 
 @contextlib.contextmanager
 def telling(out: Path | None) -> Iterator[None]:
-    """Turn errors of the file system into a `ResultError`."""
+    """Turn errors of the file system in a block into a `ResultError` about the output `out`."""
     try:
         yield
     except OSError as error:
@@ -65,6 +65,7 @@ def held(out: Path) -> Iterator[None]:
 
 
 def _size(path: Path) -> int:
+    """Return the size of a file, bytes; 0 if another process has just removed it."""
     try:
         return path.stat().st_size
     except FileNotFoundError:  # removed by the process that had locked it
@@ -73,13 +74,19 @@ def _size(path: Path) -> int:
 
 @dataclass(frozen=True)
 class Part:
-    """The folder OUT.part, in which a marker names a sweep or an ensemble."""
+    """The folder OUT.part beside an output, with what an interrupted sweep or ensemble continues
+    from.
+
+    A marker file in it names the kind, so that folders of other origin are recognised and left
+    alone.
+    """
 
     out: Path
+    """the output"""
     of: str
     """"sweep" or "ensemble" """
     own: re.Pattern[str]
-    """names of the files that are made in it"""
+    """pattern of the names of files that are made in the folder"""
 
     @property
     def folder(self) -> Path:
@@ -88,6 +95,7 @@ class Part:
 
     @property
     def _marker(self) -> Path:
+        """Path of the marker file."""
         return self.folder / f"of-{'an' if self.of[0] in 'aeiou' else 'a'}-{self.of}"
 
     @property

@@ -47,6 +47,7 @@ def zero(function: Callable[[float], float], low: float, high: float, tolerance:
     """
 
     def at(place: float) -> float:
+        """Return the value of the function at a place, or raise `ValueError` for NaN."""
         if math.isnan(value := function(place)):
             raise ValueError(f"the function is NaN at {place}")
         return value

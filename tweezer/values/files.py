@@ -58,16 +58,16 @@ def read_text(path: Path) -> str:
 
 
 def digest(value: object, beside: str = "") -> str:
-    """Return the SHA-256 of what JSON holds, and of a text; spaces and the order do not count."""
+    """Return the SHA-256 of a JSON value and a text; spaces and the order of keys do not count."""
     return hashlib.sha256(f"{json.dumps(value, sort_keys=True)}{beside}".encode()).hexdigest()
 
 
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[BytesIO]:
-    """Lend memory to write to; its content takes the place of `path` at the end.
+    """Lend memory to write to; its content replaces the file at `path` at the end.
 
     With `STANDARD_OUTPUT` the content is printed. Raises `ResultError` if it cannot be written; the
-    file at `path` is then as it was.
+    file at `path` is then unchanged.
     """
     content = BytesIO()
     yield content
@@ -82,7 +82,7 @@ def replacing(path: Path) -> Iterator[BytesIO]:
 
 
 def write_whole(path: Path, content: BytesIO) -> None:
-    """Replace the file at `path` by one that is whole. Raises OSError, also for a link or pipe."""
+    """Replace the file at `path` as a whole. Raises OSError, also for a link or a pipe."""
     if path.is_symlink():
         raise OSError(f"is a link, to {path.readlink()}")
     if path.exists():
@@ -104,11 +104,14 @@ def is_saving(name: str) -> bool:
 
 
 def _checksum(digits: str) -> str:
+    """Return the eight digits in the name of an unfinished file that confirm the random eight."""
     return f"{zlib.crc32(f'tweezer {digits}'.encode()):08x}"
 
 
 def _begun(folder: Path) -> tuple[Path, IO[bytes]]:
-    """Return a new file, locked as long as it is open, and its name."""
+    """Create a file to be written, and return its path and the file, which is locked until it is
+    closed.
+    """
     while True:
         digits = secrets.token_hex(4)
         path = folder / f".saving-{digits}{_checksum(digits)}"
@@ -123,7 +126,7 @@ def _begun(folder: Path) -> tuple[Path, IO[bytes]]:
 
 
 def remove_left_over(folder: Path) -> None:
-    """Remove what processes that were killed have begun to write: no process locks it."""
+    """Remove unfinished files of processes that were killed; those of others at work are locked."""
     if fcntl is None:
         return
     with contextlib.suppress(OSError), os.scandir(folder) as entries:

@@ -38,9 +38,12 @@ _HEIRS = ("calibration", "tracking", "trap", "runs", "reading", "ensembles")
 
 
 class _Former(MetaPathFinder, Loader):
-    """Import finder and loader for the old paths."""
+    """Import finder and loader for the module paths of earlier releases."""
 
     def find_spec(self, fullname: str, *_: Any) -> ModuleSpec | None:
+        """Return the specification of a module with an old path, with a warning; None for other
+        modules.
+        """
         if fullname == _ANALYSIS:
             return ModuleSpec(fullname, self, is_package=True)
         if fullname not in _NEW:
@@ -52,6 +55,10 @@ class _Former(MetaPathFinder, Loader):
         """Return None: the import system makes the module."""
 
     def exec_module(self, module: ModuleType) -> None:
+        """Fill the module of an old path: replace it by the module with the new path.
+
+        The former package `tweezer.analysis` finds its names in several packages instead.
+        """
         if module.__name__ == _ANALYSIS:
             module.__dict__["__getattr__"] = _of_analysis
         else:  # the import system returns the entry of sys.modules
@@ -90,6 +97,7 @@ def _of_analysis(name: str) -> Any:
 
 
 def _tell(old: str, new: str) -> None:
+    """Warn that a path of an earlier release has moved."""
     from tweezer.values.errors import warn
 
     warn(f"{old}: has moved to {new}; the old path will be removed in version 0.3", FutureWarning)

@@ -77,7 +77,7 @@ def names_in(path: Path) -> set[str]:
 
 
 def _datasets(path: Path, file: h5py.File) -> Iterator[tuple[str, h5py.Dataset]]:
-    """All datasets of a file with their paths; each group once."""
+    """Yield all datasets of a file with their paths, each group once, for links can form cycles."""
     waiting: list[tuple[str, h5py.Group]] = [("", file)]
     seen: set[int] = set()
     count = 0

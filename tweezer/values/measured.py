@@ -1,7 +1,7 @@
-"""A result's numbers, each listed once; cards, commands, pages, sweeps and comparisons read them.
+"""Numbers of a result, each listed once for cards, commands, pages, sweeps and comparisons.
 
-A kind of result is a `Result`. It names its numbers in `QUANTITIES`, which says what a file of
-cases has even where a case failed, and yields those that it has in `quantities`::
+A kind of result is a `Result`. It names its numbers in `QUANTITIES`, so that a file of cases has
+all of them even where a case failed, and yields those that it has in `quantities`::
 
     STIFFNESS = Quantity("stiffness", "N/m", "stiffness at the equilibrium", along="axis")
 
@@ -45,13 +45,13 @@ BOUND, STANDARD = "bound", "standard"
 
 
 class Quantity(NamedTuple):
-    """Name, unit and meaning of a number of a result."""
+    """Name, unit and meaning of a number, or of numbers along a dimension, in a result."""
 
     name: str
     unit: str
-    """SI; "1" of a number without one"""
+    """SI unit; "1" for a number without a unit"""
     about: str
-    """in words, with what it depends on"""
+    """meaning in words, with the conditions on which it depends"""
     along: str = ""
     """dimension of its entries: "axis" or "direction"; "" for one number"""
     kind: str = BOUND
@@ -61,7 +61,7 @@ class Quantity(NamedTuple):
     compared: bool = False
     """whether `tweezer compare` compares it"""
     shown: str = ""
-    """unit of its text; "" for that of tables (`in_tables`)"""
+    """unit in which its text is written; "" for the unit of tables (`in_tables`)"""
 
     @property
     def entries(self) -> list[str]:
@@ -70,7 +70,7 @@ class Quantity(NamedTuple):
 
     @property
     def scale(self) -> tuple[float, str]:
-        """The factor from its SI unit to the unit of its text, and that unit."""
+        """Factor from its SI unit to the unit of its text, and that unit."""
         return (per(self.shown), self.shown) if self.shown else in_tables(self.unit)
 
     @property
@@ -88,19 +88,20 @@ class Quantity(NamedTuple):
 
 
 class Measured(NamedTuple):
-    """A number of a result, or several along a dimension."""
+    """A quantity of a result with its value and error: one number, or several along a dimension."""
 
     of: Quantity
     value: NDArray[np.float64]
+    """value, or values along the dimension of the quantity, in its SI unit"""
     error: NDArray[np.float64] | None
-    """of each entry; or one number, of the length of a vector; NaN if it is not known, and None
-    for a quantity without one"""
+    """error of each value, or a single one for the length of a vector; NaN if it is not known;
+    None for a quantity without an error"""
     findings: tuple[str, ...] = ()
     """findings about the number"""
 
     @property
     def errors(self) -> NDArray[np.float64]:
-        """The error of each entry."""
+        """Error of each value; NaN if it is not known."""
         known = np.nan if self.error is None else self.error
         return np.broadcast_to(known, self.value.shape)
 
@@ -115,7 +116,7 @@ class Measured(NamedTuple):
 
     @property
     def words(self) -> str:
-        """The numbers with as many digits as their errors leave, and their unit."""
+        """Values as text with as many digits as their errors justify, and their unit."""
         factor, unit = self.of.scale
         numbers = (
             with_uncertainty(factor * float(value), factor * float(error))
@@ -125,29 +126,31 @@ class Measured(NamedTuple):
 
     @property
     def cells(self) -> tuple[str, str]:
-        """A single number and its error in a table, whose heading has the unit."""
+        """A single value and its error as text for a table whose heading has the unit."""
         factor, _ = self.of.scale
         return rounded(factor * float(self.value), factor * float(self.errors))
 
     def row(self, name: str = "", *, detail: bool = False) -> Row:
-        """The row of a card: numbers and findings."""
+        """Return the row of a card: values and findings. name: of the row, if not the quantity's
+        meaning.
+        """
         findings = "; ".join(self.findings)
         return Row(name or self.of.about, self.words, findings, detail, self.of.name)
 
 
 class Result(Shown):
-    """A result that lists its numbers: see the head of this module."""
+    """Base of results that list their numbers; see the docstring of this module."""
 
     QUANTITIES: ClassVar[tuple[Quantity, ...]] = ()
     """every quantity that a result of this kind can have"""
 
     def quantities(self) -> Iterator[Measured]:
-        """The numbers that this result has, in the order of `QUANTITIES`."""
+        """Yield the numbers that this result has, in the order of `QUANTITIES`."""
         raise NotImplementedError
 
     @property
     def numbers(self) -> dict[str, Measured]:
-        """The numbers of `quantities` by their names."""
+        """Numbers of `quantities` by the names of their quantities."""
         return {each.of.name: each for each in self.quantities()}
 
     def words(self) -> dict[str, str]:

@@ -84,7 +84,10 @@ def typeset(unit: str) -> str:
 
 
 def usual_unit(size: float, unit: str) -> tuple[float, str]:
-    """Factor to SI and name of the unit in which a size of the SI unit `unit` is 1 to 1000."""
+    """Return the unit in which a magnitude is usually written as 1 to 1000, with its factor to SI.
+
+    size: magnitude in the SI unit `unit`.
+    """
     units = FREQUENT.get(unit, {unit: 1.0})
     below = {name: each for name, each in units.items() if each <= abs(size) * (1 + 1e-9)}
     name = max(below, key=below.__getitem__) if below else min(units, key=units.__getitem__)

@@ -10,7 +10,10 @@ _PLAIN = (1e-6, 1e7)
 
 
 def rounded(value: float, uncertainty: float) -> tuple[str, str]:
-    """Both as text: two digits of the uncertainty, and the value to the same decimal."""
+    """Return a value and its uncertainty as text, with two digits of the uncertainty.
+
+    The value is rounded to the same decimal place.
+    """
     if not 0 < uncertainty < math.inf or not math.isfinite(value):
         return f"{value:.4g}", f"{uncertainty:.2g}"
     last = int(f"{uncertainty:.1e}".partition("e")[2]) - 1  # power of ten of the last digit
@@ -40,6 +43,9 @@ def most(value: float, digits: int = 3) -> str:
 
 
 def _towards(rounding: Callable[[float], int], value: float, digits: int) -> str:
+    """Return a number as text with so many digits, rounded by `rounding`: `math.ceil` or
+    `math.floor`.
+    """
     text = f"{value:.{digits}g}"
     if not math.isfinite(value) or math.isclose(float(text), value, rel_tol=1e-12):
         return text
@@ -48,7 +54,7 @@ def _towards(rounding: Callable[[float], int], value: float, digits: int) -> str
 
 
 def with_uncertainty(value: float, uncertainty: float, sign: str = "+-") -> str:
-    """Such as "50.35 +- 0.49"; the value alone if the uncertainty is not known."""
+    """Return text such as "50.35 +- 0.49"; the value alone if the uncertainty is NaN."""
     if math.isnan(uncertainty):
         return f"{value:.4g}"
     first, second = rounded(value, uncertainty)
@@ -61,10 +67,10 @@ def micrometres(metres: float) -> str:
 
 
 def three(x: float, y: float, z: float) -> str:
-    """Three numbers with four digits."""
+    """Return three numbers as text with four digits each."""
     return f"{x:.4g}, {y:.4g}, {z:.4g}"
 
 
 def time_taken(seconds: float) -> str:
-    """Seconds, or milliseconds if it is less than one."""
+    """Return a duration as text: in seconds, or in milliseconds below one second."""
     return f"{seconds:.3g} s" if seconds >= 1 else f"{1e3 * seconds:.3g} ms"

@@ -1,7 +1,7 @@
-"""Results as they are read: a few lines in a terminal, a small table in Jupyter.
+"""Results as text in a terminal and as a table in Jupyter.
 
-A result says what it shows once, as a `Card`; its text, its HTML and the table of the command line
-are made from that.
+A result lists what it shows once, as a `Card`. Its text, its HTML and the table of the command line
+are made from the card.
 """
 
 from __future__ import annotations
@@ -26,26 +26,26 @@ _CELL = (
 
 
 class Row(NamedTuple):
-    """A quantity of a result."""
+    """A line of a card: a quantity of a result with its value."""
 
     name: str
     value: str
     """with its uncertainty and unit"""
     caveat: str = ""
-    """why it is not to be trusted; "" if nothing is known against it"""
+    """reason why the value is not valid, or less certain; "" for none"""
     detail: bool = False
     """whether it is left out of the short text"""
     of: str = ""
-    """name of the quantity that it tells; "" if it tells no quantity that the result lists"""
+    """name of the listed quantity that the row shows; "" if it shows none"""
 
     @property
     def told(self) -> str:
-        """The value, and what speaks against it."""
+        """The value followed by its caveat, if any."""
         return ", ".join(filter(None, (self.value, self.caveat)))
 
 
 class Table(NamedTuple):
-    """Cells under headings, the first of each row its name."""
+    """A table of a card: rows of cells under headings; the first cell names its row."""
 
     headings: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -53,41 +53,42 @@ class Table(NamedTuple):
 
 @dataclass(frozen=True)
 class Card:
-    """What a result says of itself."""
+    """The lines, tables and notes with which a result is shown."""
 
     kind: str
+    """kind of the result, such as "Trap" or "Calibration", in its title"""
     of: str
-    """what it is of, such as a scene or a file"""
+    """the scene or file from which it was computed"""
     rows: tuple[Row, ...]
     tables: tuple[Table, ...] = ()
-    """left out of the short text"""
+    """tables, which are left out of the short text"""
     notes: tuple[str, ...] = ()
-    """sentences below"""
+    """sentences below the rows"""
 
     @property
     def title(self) -> str:
-        """What it is, and of what."""
+        """Title of the card: the kind of result, and its scene or file."""
         return f"{self.kind} of {self.of}" if self.of else self.kind
 
 
 class Shown:
-    """A result that is shown by its card."""
+    """Base of results that are shown by a card."""
 
     def card(self) -> Card:
-        """What it says of itself."""
+        """Return the card of the result."""
         raise NotImplementedError
 
     def __repr__(self) -> str:
-        """A few lines."""
+        """Return the card as a few lines of text."""
         return as_text(self.card())
 
     def _repr_html_(self) -> str:
-        """A table, for Jupyter."""
+        """Return the card as HTML, for Jupyter."""
         return as_html(self.card())
 
 
 def as_text(card: Card) -> str:
-    """The title, a line for each row that is no detail, and the notes."""
+    """Return a card as text: the title, a line for each row that is no detail, and the notes."""
     rows = [row for row in card.rows if not row.detail]
     width = max((len(row.name) for row in rows), default=0)
     lines = [clipped(card.title)]
@@ -100,18 +101,23 @@ def as_text(card: Card) -> str:
 
 
 def _indented(text: str, first: str, then: str) -> list[str]:
+    """Return a text wrapped to lines of 92 characters. first, then: start of the first and other
+    lines.
+    """
     return textwrap.wrap(
         text, _WIDTH, initial_indent=first, subsequent_indent=then, break_on_hyphens=False
     ) or [first.rstrip()]
 
 
 def clipped(text: str) -> str:
-    """A text that is not too long to show."""
+    """Return a text, cut at 240 characters."""
     return text if len(text) <= _LONG else f"{text[: _LONG - 3]}..."
 
 
 def as_html(card: Card) -> str:
-    """A table with value and caveat of every row, the other tables, and the notes."""
+    """Return a card as HTML: a table of all rows with their caveats, the other tables, and the
+    notes.
+    """
     caveats = any(row.caveat for row in card.rows)
     cells = [
         (row.name, row.value, *([row.caveat] if caveats else [])) for row in card.rows
@@ -126,6 +132,9 @@ def as_html(card: Card) -> str:
 def _table(
     title: str, headings: tuple[str, ...], rows: list[tuple[str, ...]] | tuple[tuple[str, ...], ...]
 ) -> Iterator[str]:
+    """Yield the parts of an HTML table. headings: "" without any. rows: the first cell names the
+    row.
+    """
     yield f'<table style="{_TABLE}">'
     if title:
         yield (

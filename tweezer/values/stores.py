@@ -1,6 +1,6 @@
-"""Zarr stores of results: opened only if they are whole and need nothing but what tweezer writes.
+"""Zarr stores of results, opened only if they are whole and written as tweezer writes them.
 
-A chunk that is not there would read as its fill value, and a store names its own decoders, so that
+Zarr would read a missing chunk as its fill value, and run decoders that the store names. Therefore
 the description of a store is checked before Zarr reads it.
 """
 
@@ -42,37 +42,53 @@ Size = Annotated[int, Field(ge=0, strict=True)]
 
 
 class _Part(BaseModel):
+    """Base of parts of an array's description (zarr.json): immutable, without unknown keys."""
+
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class _Configuration(_Part):
+    """Shape of the chunks of an array, in numbers along each dimension."""
+
     chunk_shape: tuple[Annotated[int, Field(ge=1, strict=True)], ...]
 
 
 class _Grid(_Part):
+    """Grid of chunks: regular, with chunks of one shape."""
+
     name: Literal["regular"]
     configuration: _Configuration
 
 
 class _Separator(_Part):
+    """Separator in the names of chunks, as in c/0/1."""
+
     separator: Literal["/"]
 
 
 class _Keys(_Part):
+    """Encoding of the indices of a chunk in its name."""
+
     name: Literal["default"]
     configuration: _Separator
 
 
 class _Codec(_Part):
+    """A step in encoding the chunks: numbers to bytes, compression, or a checksum."""
+
     name: Literal["bytes", "vlen-utf8", "zstd", "crc32c"]
     configuration: dict[str, Any] = {}
 
 
 class _Length(_Part):
+    """Size of a text of fixed length, bytes."""
+
     length_bytes: Annotated[int, Field(ge=0, strict=True)]
 
 
 class _Text(_Part):
+    """Data type of texts of fixed length."""
+
     name: Literal["fixed_length_utf32"]
     configuration: _Length
 
@@ -96,33 +112,34 @@ class _Array(_Part):
 
     @property
     def compressed(self) -> bool:
-        """Whether its chunks are."""
+        """Whether the chunks are compressed."""
         return "zstd" in self._decoders
 
     @property
     def _decoders(self) -> list[str]:
+        """Names of the steps in encoding the chunks, in order."""
         return [each.name for each in self.codecs]
 
     @property
     def texts(self) -> bool:
-        """Whether it holds texts of any length."""
+        """Whether the array contains texts of any length."""
         return self.data_type == "string"
 
     @property
     def item(self) -> int:
-        """Size of a number or text, bytes."""
+        """Size of one number or text, bytes; 1 for texts of any length."""
         if isinstance(self.data_type, _Text):
             return self.data_type.configuration.length_bytes
         return _SIZES.get(self.data_type, 1)
 
     @property
     def size(self) -> int:
-        """Size of the array, bytes."""
+        """Size of the uncompressed array, bytes."""
         return self.item * math.prod(self.shape)
 
     @property
     def chunks(self) -> tuple[int, ...]:
-        """Size of a chunk, in numbers."""
+        """Shape of a chunk, in numbers along each dimension."""
         return self.chunk_grid.configuration.chunk_shape
 
     @property
@@ -144,14 +161,16 @@ class _Array(_Part):
 
 
 class _Described(NamedTuple):
-    """A store by its description."""
+    """Description of a store: attributes, arrays and files, before numbers are read."""
 
     attributes: dict[str, Any]
+    """attributes of the result by name"""
     arrays: dict[str, _Array]
+    """descriptions of the arrays by name"""
     files: set[str]
-    """names of all files of chunks"""
+    """names of all files in the store, relative to it"""
     sums: dict[str, str]
-    """checksums of chunks by their names; of an ensemble once it is complete"""
+    """checksums of chunks by their names; of an ensemble only once it is complete"""
 
 
 def open_store(path: Path) -> xr.Dataset:
@@ -246,6 +265,7 @@ def _sealed(path: Path, about: object) -> dict[str, str]:
 
 
 def _unreadable(path: Path, error: Exception) -> ResultError:
+    """Return the error for a store that Zarr cannot read."""
     return ResultError(f"{path}: damaged, or not a result: {' '.join(str(error).split())[:500]}")
 
 
@@ -341,7 +361,10 @@ def _check_whole(path: Path, found: _Described) -> None:
 
 
 def _indices(array: _Array, blocks: list[int] | None) -> Iterator[tuple[int, ...]]:
-    """Return the chunks that an array must have. blocks: along its first dimension, if not all."""
+    """Yield the indices of the chunks that an array must have.
+
+    blocks: indices along the first dimension; all if None.
+    """
     ranges: list[Any] = [range(count) for count in array.counts]
     if blocks is not None:
         ranges[0] = blocks
@@ -368,7 +391,11 @@ def _check_chunk(path: Path, name: str, array: _Array) -> None:
 
 
 def _unpacked(head: bytes) -> int | None:
-    """Return the size that a frame of Zstandard declares, bytes; None if it declares none."""
+    """Return the size that a Zstandard frame declares, bytes; None if it declares none.
+
+    head: first bytes of the frame (RFC 8878, 3.1.1). Its descriptor says how long the field of the
+    size is; a field of two bytes has 256 less than the size.
+    """
     if len(head) < 6 or not head.startswith(_ZSTD):
         return None
     flags = head[4]
@@ -381,7 +408,7 @@ def _unpacked(head: bytes) -> int | None:
 
 
 class _Guarded(xr.backends.BackendArray):
-    """The numbers of a variable in a store; raises `ResultError` where they cannot be read."""
+    """Numbers of a variable in a store, read on demand; raises `ResultError` if that fails."""
 
     def __init__(self, path: Path, variable: xr.Variable) -> None:
         self.path, self.variable = path, variable
@@ -393,6 +420,7 @@ class _Guarded(xr.backends.BackendArray):
         )
 
     def _read(self, key: Any) -> Any:
+        """Return the numbers at an index of xarray."""
         try:
             return self.variable[key].values
         except Exception as error:  # Zarr raises of any kind where a chunk is damaged

@@ -73,7 +73,7 @@ _USUAL = {
 
 @functools.cache
 def registry() -> pint.UnitRegistry:
-    """The one unit registry."""
+    """Return the registry of units with which all text is read, made once."""
     import pint
 
     # no cache on disk: pint's names files of the environment that wrote it, which others share
@@ -81,11 +81,13 @@ def registry() -> pint.UnitRegistry:
 
 
 def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf) -> float:
-    """`value` in the SI unit `unit`: a bare number as it is, text and quantities by their unit.
+    """Return a quantity as a number in the SI unit `unit`.
 
-    A quantity is pint's, of any registry, or a number of xarray that has the attribute `units`.
-    Raises `ValueError`, saying what is allowed, for anything else, and for what is not finite
-    or not from `low` to `high`.
+    A bare number is taken to be in that unit. Text and quantities, of any registry of pint or an
+    xarray number with the attribute `units`, are converted.
+
+    Raises `ValueError`, saying what is allowed, for anything else, for a value that is not finite,
+    and for one outside `low` to `high`, which are in `unit`.
     """
     value = without_unit(value, unit)
     if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):  # NumPy's
@@ -118,10 +120,10 @@ def in_usual_unit(number: float, unit: str, bounds: tuple[float, float]) -> str:
 
 
 def array_in_si(values: Any, unit: str) -> NDArray[np.float64]:
-    """Numbers of any shape in the SI unit `unit`, as `to_si` reads one.
+    """Return numbers of any shape in the SI unit `unit`, each read as by `to_si`.
 
-    An array of numbers, also pint's or xarray's with its unit; or a list of what `to_si` reads.
-    Raises `ValueError` for anything else.
+    They may be an array of numbers, also one of pint or xarray with its unit, or nested lists of
+    quantities. Raises `ValueError` for anything else.
     """
     values = without_unit(values, unit)
     if isinstance(values, list | tuple):
@@ -138,11 +140,12 @@ def array_in_si(values: Any, unit: str) -> NDArray[np.float64]:
 
 
 def in_base_units(values: Any) -> tuple[NDArray[np.float64], str]:
-    """Numbers of any shape and dimension in SI base units, and the name of their unit.
+    """Return numbers of any shape and dimension in SI base units, with the name of their unit.
 
-    For what has no unit of its own, such as the entries of a force. A number without a unit is
-    taken as it is; the name is "" if none has one. Raises `ValueError` for anything else than
-    `array_in_si` takes, and for units of different dimensions.
+    This is for values whose unit is not known in advance, such as parameters of a user's force.
+    Numbers without a unit are taken as they are; the name is "" if none has one. Raises
+    `ValueError` for values that `array_in_si` does not accept, and for units of different
+    dimensions.
     """
     import numpy as np
 
@@ -174,7 +177,10 @@ def in_base_units(values: Any) -> tuple[NDArray[np.float64], str]:
 
 
 def _of_our_registry(value: Any) -> pint.Quantity[Any]:
-    """A quantity of pint or xarray in the one registry: another one's base units need not be SI."""
+    """Return a quantity of pint or xarray in the registry of this module.
+
+    Base units of another registry need not be SI units.
+    """
     if hasattr(value, "attrs"):
         number, unit = value.values, str(value.attrs["units"])
     else:
@@ -186,7 +192,8 @@ def _of_our_registry(value: Any) -> pint.Quantity[Any]:
 
 
 def without_unit(value: Any, unit: str) -> Any:
-    """The number or array of a quantity with a unit, in the SI unit `unit`; all else as it is.
+    """Return the number or array of a quantity in the SI unit `unit`; anything without a unit as it
+    is.
 
     Raises `ValueError` for a quantity of another dimension.
     """
@@ -210,7 +217,7 @@ def without_unit(value: Any, unit: str) -> Any:
 
 
 def _has_unit(value: Any) -> bool:
-    """Whether it is a quantity of pint, or of xarray with the attribute `units`."""
+    """Return whether a value is a quantity of pint, or of xarray with the attribute `units`."""
     attributes = getattr(value, "attrs", None)
     if isinstance(attributes, dict):
         return "units" in attributes and hasattr(value, "values")
@@ -218,7 +225,7 @@ def _has_unit(value: Any) -> bool:
 
 
 def bare(value: Any) -> Any:
-    """The number of a text without a unit; all else as it is."""
+    """Return the number in a text without a unit; anything else as it is."""
     try:
         return float(value) if isinstance(value, str) else value
     except ValueError:
@@ -226,7 +233,7 @@ def bare(value: Any) -> Any:
 
 
 def as_given(value: Any) -> str:
-    """A value as text, a quantity with its unit in short."""
+    """Return a value as text, a quantity with the short name of its unit."""
     if not _has_unit(value):
         return str(value)
     if hasattr(value, "attrs"):
@@ -235,21 +242,24 @@ def as_given(value: Any) -> str:
 
 
 def listed(value: Any) -> Any:
-    """An array of numbers, or of quantities with a unit, as a list of them; all else as it is."""
+    """Return an array of numbers or quantities as a list; anything else as it is."""
     return list(value) if getattr(value, "ndim", 0) else value
 
 
 def _or_text(unit: str) -> str:
+    """Return the end of a message: the unit of a number, or text that may be given instead."""
     return f" in {unit}, or text with a unit such as {_example(unit)}" if unit else ""
 
 
 def _example(unit: str) -> str:
+    """Return an example of text for a quantity in an SI unit, in quotes, such as '"500 nm"'."""
     examples = {"m": '"500 nm"', "W": '"80 mW"', "K": '"20 degC"', "s": '"20 ms"', "1/s": '"50 Hz"',
                 "SI": '"20 pN/um"'}  # fmt: skip
     return examples.get(unit, f'"1.0 {unit}"')
 
 
 def _from_text(text: str, unit: str) -> float:
+    """Return the number in the SI unit `unit` of a text such as "500 nm", by table or by pint."""
     number, given = _number_and_unit(text, unit)
     if (factor := FREQUENT.get(unit, {}).get(given)) is not None:
         return number * factor
@@ -259,7 +269,10 @@ def _from_text(text: str, unit: str) -> float:
 
 
 def _number_and_unit(text: str, unit: str) -> tuple[float, str]:
-    """A text's two parts; raises `ValueError` if it has not both."""
+    """Return the number and the unit in a text; raises `ValueError` unless it has both.
+
+    unit: SI unit that is wanted, for the message.
+    """
     match = _NUMBER_AND_UNIT.fullmatch(text.strip())
     if not match or not unit:
         raise ValueError(f"must be a number{_or_text(unit)}")
@@ -269,6 +282,7 @@ def _number_and_unit(text: str, unit: str) -> tuple[float, str]:
 
 
 def _by_pint(number: float, text: str, unit: str) -> float:
+    """Return a number with the unit `text` in the SI unit `unit`, converted by pint."""
     import pint
 
     try:
@@ -281,9 +295,10 @@ def _by_pint(number: float, text: str, unit: str) -> float:
 
 
 def _convertible(text: str, unit: str) -> str:
-    """What is allowed in place of the unit `text`, with the one that was meant where that is seen.
+    """Return the end of a message, on the units that are allowed in place of the unit `text`.
 
-    It differs in capitals, spaces, signs of a product, or the degree of a temperature.
+    It names the unit that was meant if `text` differs from it only in capitals, spaces, signs of a
+    product or the degree sign.
     """
     if not unit:
         return "must be a number without one"
@@ -294,15 +309,19 @@ def _convertible(text: str, unit: str) -> str:
 
 
 def _folded(unit: str) -> str:
+    """Return a unit in a form for comparison: small letters without signs of products, powers or
+    degrees.
+    """
     return re.sub(r"[\s*·^°]|deg(?=[a-z])", "", re.sub("[µμ]", "u", unit.lower()))
 
 
 @dataclasses.dataclass(frozen=True)
 class Quantity:
-    """Pydantic annotation of a quantity in the SI unit `unit`, from `low` to `high`.
+    """Annotation of a Pydantic field: a quantity in the SI unit `unit`, from `low` to `high`.
 
-    A JSON schema tells all three. `usual`: from and to, what its size is in an optical trap; a bare
-    number beyond, unless it is 0, is read in `unit` but probably meant in another.
+    The JSON schema contains all three. `usual` is the range of magnitudes in an optical trap. A
+    bare number outside it, unless it is 0, is read in `unit`, but was probably meant in another
+    unit.
     """
 
     unit: str
@@ -311,7 +330,9 @@ class Quantity:
     usual: tuple[float, float] = (0.0, math.inf)
 
     def doubt(self, value: Any) -> str:
-        """Which unit the number `value` is understood in, if that makes it unusual; or nothing."""
+        """Return the end of a warning for a number that is unusual in the SI unit; "" for a usual
+        one.
+        """
         if isinstance(value, bool) or not isinstance(value, int | float):
             return ""
         least, most = self.usual
@@ -337,7 +358,9 @@ class Quantity:
 
 
 def quantity_of(*annotations: Any) -> Quantity | None:
-    """The quantity within annotations such as `Length | None` or `tuple[Length, ...]`."""
+    """Return the `Quantity` in annotations such as `Length | None` or `tuple[Length, ...]`, or
+    None.
+    """
     for each in annotations:
         found = each if isinstance(each, Quantity) else quantity_of(*get_args(each))
         if found:
@@ -346,7 +369,7 @@ def quantity_of(*annotations: Any) -> Quantity | None:
 
 
 def entries(least: int, most: int | None = None) -> BeforeValidator:
-    """Pydantic validator of a list with `least` to `most` entries; exactly `least` if not given."""
+    """Return a Pydantic validator for a list of `least` to `most` entries, or exactly `least`."""
     count = f"{least}" if most is None else f"{least} to {most}"
 
     def check(value: Any) -> Any:
@@ -359,10 +382,10 @@ def entries(least: int, most: int | None = None) -> BeforeValidator:
 
 
 def complex_number(largest: float) -> BeforeValidator:
-    """Pydantic validator that reads a complex number as the pair of its real and imaginary part.
+    """Return a Pydantic validator that reads a complex number as a pair of real and imaginary part.
 
-    A number, also a complex one, text such as "0.5-0.5j", or a list [real, imaginary]; neither part
-    beyond +-largest.
+    It accepts a real or complex number, text such as "0.5-0.5j", or a list [real, imaginary].
+    Neither part may exceed `largest` in magnitude.
     """
 
     def parse(value: Any) -> tuple[float, float]:
@@ -373,7 +396,7 @@ def complex_number(largest: float) -> BeforeValidator:
 
 
 def _reading(read: Callable[[Any], Any]) -> BeforeValidator:
-    """Pydantic validator by a function whose `ValueError` says what is allowed."""
+    """Return a Pydantic validator from a function that raises `ValueError` with what is allowed."""
 
     def checked(value: Any) -> Any:
         try:
@@ -385,7 +408,7 @@ def _reading(read: Callable[[Any], Any]) -> BeforeValidator:
 
 
 def _parts(value: Any) -> tuple[Any, Any]:
-    """Real and imaginary part of a complex number as a user gives it."""
+    """Return the real and imaginary part of a complex number in a form that users give."""
     value = without_unit(value, "")
     if isinstance(value, str):
         try:
@@ -402,7 +425,9 @@ def _parts(value: Any) -> tuple[Any, Any]:
 
 
 def _index(value: Any) -> float | tuple[float, float]:
-    """A refractive index: a number where it is real, or else its real and imaginary part."""
+    """Return a refractive index that a user gives: a number if it is real, else real and imaginary
+    part.
+    """
     real, imaginary = _parts(value)
     imaginary = to_si(imaginary, "")
     if not 0 <= imaginary <= _INDEX_IMAGINARY:
@@ -415,7 +440,9 @@ def _index(value: Any) -> float | tuple[float, float]:
 
 
 def _radii_or_length(value: Any) -> float | str:
-    """A number of radii as it is; a length as text in m."""
+    """Return a reach that a user gives: a bare number, which counts radii, or a length as text in
+    m.
+    """
     if _has_unit(value):
         try:
             value = without_unit(value, "")

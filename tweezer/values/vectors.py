@@ -29,7 +29,7 @@ class Comparable:
     """A dataclass with arrays among its fields, made with `eq=False`."""
 
     def __eq__(self, other: object) -> bool:
-        """Whether all fields that are compared are equal; NaN is equal to NaN."""
+        """Return whether all fields that are compared are equal; NaN is equal to NaN."""
         if type(other) is not type(self):
             return NotImplemented
         return all(
@@ -42,6 +42,7 @@ class Comparable:
 
 
 def _same(one: Any, other: Any) -> bool:
+    """Return whether two values or arrays are equal; NaN in arrays is equal to NaN."""
     if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
         return np.array_equal(one, other, equal_nan=True)
     return bool(one == other)
