@@ -4,7 +4,9 @@ from .dynamics import Event, bind, capture, chosen
 from .ensembles import ensemble, escape_times
 from .fluid import wall_mobilities
 from .optics import (
+    SceneLight,
     absorbed_power,
+    light,
     optical_force,
     optical_force_error,
     optical_jacobian,
@@ -51,6 +53,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "SceneFit",
+    "SceneLight",
     "Summary",
     "Surface",
     "Track",
@@ -74,6 +77,7 @@ __all__ = [
     "fit",
     "fit_depth",
     "least_power",
+    "light",
     "load",
     "load_recording",
     "load_run",

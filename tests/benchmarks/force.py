@@ -23,7 +23,7 @@ import tweezer
 from tests.benchmarks import numpy_sum, waves
 from tests.benchmarks.timing import Call, calls_over, in_fresh_process, machine, per_item
 from tweezer.forces.force import Wrench
-from tweezer.optics import grid, light
+from tweezer.optics import grid, light_force
 from tweezer.optics.rays.light import light_on_bead
 from tweezer.optics.rays.ray_sum import Rays, ray_sum
 from tweezer.scene import Scene
@@ -244,7 +244,7 @@ def _ways(family: str, scene: Scene) -> dict[str, Evaluate]:
     if family == "numpy":
         rays = numpy_sum.pupil(scene)
         return {"us": lambda places: np.array([numpy_sum.force(scene, rays, p) for p in places])}
-    bound = light(scene)
+    bound = light_force(scene)
     return {
         "us": lambda places: bound.field(places).force,
         "with_jacobian_us": lambda places: bound.field(places, gradient=True).force_gradient,
@@ -308,7 +308,7 @@ def _single_calls(effort: Effort) -> Results:
     for way, sections in WAYS.items():
         of = scene.replace(**sections)
         calls[way, "optical_force"] = Call(partial(tweezer.optical_force, of, place), 1)
-        calls[way, "field"] = Call(partial(light(of).field, place[None]), 1)
+        calls[way, "field"] = Call(partial(light_force(of).field, place[None]), 1)
     times = per_item([[call] for call in calls.values()], 30 * effort.rounds)
     results: Results = {}
     for (way, name), (least, _) in zip(calls, times, strict=True):
@@ -359,11 +359,11 @@ import json, time
 start = time.perf_counter()
 import numpy as np
 import tweezer
-from tweezer.optics import light
+from tweezer.optics import light_force
 scene = tweezer.load_scene("{scene}").replace(**{sections})
 positions = np.array([[0.3, -0.4, 0.2]]) * scene.bead.radius
 imported = time.perf_counter()
-bound = light(scene)
+bound = light_force(scene)
 ready = time.perf_counter()
 bound.field(positions)
 first = time.perf_counter()
@@ -392,7 +392,7 @@ def _fresh(way: str, effort: Effort) -> Results:
 
 def _field(scene: Scene, positions: Array, *, tolerance: float) -> Wrench:
     exact = scene.replace(optics={"evaluator": "quadrature", "tolerance": tolerance})
-    return light(exact).field(positions)
+    return light_force(exact).field(positions)
 
 
 def _largest_force(scene: Scene) -> float:

@@ -29,7 +29,7 @@ from tests.benchmarks.timing import Call, calls_over, per_item
 from tests.reference import plane_waves
 from tests.reference.waves import Light, Sphere, force
 from tweezer.forces.force import Wrench
-from tweezer.optics import cone, force_map, light, table
+from tweezer.optics import cone, force_map, light_force, table
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
@@ -183,7 +183,7 @@ def _by_tolerance(scene: Scene, effort: Effort) -> list[Results]:
     return [
         {
             "tolerance": tolerance,
-            "largest_error": _relative(light(changed).field(at).force - truth, truth, scene),
+            "largest_error": _relative(light_force(changed).field(at).force - truth, truth, scene),
         }
         | _times(changed, at, effort, gradient=False)
         for tolerance in effort.tolerances
@@ -209,7 +209,7 @@ def _map(scene: Scene, effort: Effort) -> Results:
     directions = rng.normal(size=(effort.read, 3))
     directions /= _lengths(directions)[:, None]
     at = found.range * rng.random((effort.read, 1)) ** (1 / 3) * directions
-    bound, some = light(scene), at[: effort.beads]
+    bound, some = light_force(scene), at[: effort.beads]
     calls = [
         [Call(partial(bound.field, at, gradient=gradient), len(at))] for gradient in (False, True)
     ]
@@ -237,19 +237,19 @@ def _numpy(scene: Scene, effort: Effort) -> Results:
     rho, z = np.hypot(at[:, 0], at[:, 1]), at[:, 2]
     at = np.stack([rho, 0 * rho, z], axis=1)
     truth = _field(scene, at, TRUTH).force
-    strength = light(scene).light.strength
+    strength = light_force(scene).light.strength
     summed = partial(force, of_lens, sphere)
     error = _relative(strength * summed(rho / unit, z / unit) - truth, truth, scene)
     for tolerance in effort.tolerances:
         ours = scene.replace(optics={"tolerance": tolerance})
-        own = _relative(light(ours).field(at).force - truth, truth, scene)
+        own = _relative(light_force(ours).field(at).force - truth, truth, scene)
         if own <= max(error, TRUTH):
             break
     few = at[: min(4, len(at))]
     calls = [
         [Call(partial(summed, [x / unit], [height / unit]), 1) for x, _, height in few],
         [Call(partial(summed, rho / unit, z / unit), len(at))],
-        list(calls_over(light(ours).field, at, effort.timed)),
+        list(calls_over(light_force(ours).field, at, effort.timed)),
     ]
     (one, _), (batch, _), (quadrature, _) = per_item(calls, effort.rounds // 4 + 1)
     return {
@@ -277,9 +277,9 @@ def _fatcuda(scene: Scene, effort: Effort) -> Results | None:
 
 def _times(scene: Scene, at: Array, effort: Effort, *, gradient: bool = True) -> Results:
     """Time of a force, and of one with its gradient, us."""
-    evaluate = {"us": light(scene).field}
+    evaluate = {"us": light_force(scene).field}
     if gradient:
-        evaluate["with_jacobian_us"] = partial(light(scene).field, gradient=True)
+        evaluate["with_jacobian_us"] = partial(light_force(scene).field, gradient=True)
     calls = [list(calls_over(each, at, effort.timed)) for each in evaluate.values()]
     times = per_item(calls, effort.rounds)
     return {key: 1e6 * least for key, (least, _) in zip(evaluate, times, strict=True)}
@@ -287,7 +287,7 @@ def _times(scene: Scene, at: Array, effort: Effort, *, gradient: bool = True) ->
 
 def _errors(scene: Scene, at: Array) -> tuple[float, float]:
     """Largest error, and the least ratio of the estimated error to the true one."""
-    field, truth = light(scene).field(at), _field(scene, at, TRUTH).force
+    field, truth = light_force(scene).field(at), _field(scene, at, TRUTH).force
     missed = _lengths(field.force - truth)
     ratio = field.error[missed > 0] / missed[missed > 0]
     return _relative(field.force - truth, truth, scene), float(ratio.min(initial=math.inf))
@@ -306,13 +306,13 @@ def _largest_force(scene: Scene) -> float:
     reach = max(1.5 * radius, wavelength)
     x, z = np.meshgrid(np.linspace(0, reach, 11), np.linspace(-reach, reach, 21))
     at = np.stack([x.ravel(), 0 * x.ravel(), z.ravel()], axis=1)
-    return float(_lengths(light(scene).field(at).force).max())
+    return float(_lengths(light_force(scene).field(at).force).max())
 
 
 def _field(scene: Scene, at: Array, tolerance: float) -> Wrench:
-    return light(scene.replace(optics={"evaluator": "quadrature", "tolerance": tolerance})).field(
-        at
-    )
+    return light_force(
+        scene.replace(optics={"evaluator": "quadrature", "tolerance": tolerance})
+    ).field(at)
 
 
 def _lengths(vectors: Array) -> Array:

@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 
 import tweezer
 from tests.reference.waves import Light, Sphere
-from tweezer.optics import light as light_of
+from tweezer.optics import light_force as light_of
 from tweezer.optics.worth import ERRORS, RATIOS, RAY_TRAP, SHIFT
 
 FILE = Path(tweezer.__file__).parent / "optics" / "ray_optics_worth.csv"

@@ -215,14 +215,14 @@ def begun(function):
 
 
 def test_only_what_is_of_tweezer_is_told():
-    ours, called = tweezer.load_scene, tweezer.optics.light
+    ours, called = tweezer.load_scene, tweezer.optics.light_force
     told = []
     with compilation(lambda compiling: told.append(compiling.latest)) as compiling:
         with begun(test_only_what_is_of_tweezer_is_told), begun(ours):
             pass
         with begun(ours), begun(called):
             pass
-    assert told == ["load.load_scene", "load.load_scene", "binding.light"]
+    assert told == ["load.load_scene", "load.load_scene", "binding.light_force"]
     assert compiling.functions == 3
 
 
@@ -322,7 +322,7 @@ def test_time_is_counted_once(monkeypatch):
     with compilation(lambda compiling: None) as compiling:
         with begun(tweezer.load_scene):
             now += 1
-            with begun(tweezer.optics.light):
+            with begun(tweezer.optics.light_force):
                 now += 2
                 assert compiling.seconds == 3
             now += 4

@@ -16,7 +16,7 @@ from tweezer.dynamics.solution import Solver
 from tweezer.fluid import Modes
 from tweezer.forces.composed import Course, Moved, Sum
 from tweezer.forces.force import evaluated, numbered
-from tweezer.optics import light
+from tweezer.optics import light_force
 
 
 @cached_njit()
@@ -79,7 +79,7 @@ def test_a_sum_of_modes_in_a_linear_trap():
 @pytest.fixture(scope="module")
 def of_rays():
     """Rays on a bead of silica, by quadrature."""
-    return light(tweezer.load_scene("silica-1um").replace(optics={"theory": "rays"}))
+    return light_force(tweezer.load_scene("silica-1um").replace(optics={"theory": "rays"}))
 
 
 def _numbers(force, places):
@@ -117,7 +117,7 @@ def test_regions_of_two_beams_are_told_apart(of_rays):
     np.testing.assert_array_equal(_numbers(moved, places), _numbers(of_rays, turned))
     both = _numbers(Sum((of_rays, moved)), places)
     np.testing.assert_array_equal(both, _numbers(of_rays, places) + 64 * _numbers(of_rays, turned))
-    assert numbered(light(tweezer.load_scene("silica-1um"))) is None
+    assert numbered(light_force(tweezer.load_scene("silica-1um"))) is None
 
 
 def test_steps_end_where_rays_are_not_smooth():

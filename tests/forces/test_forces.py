@@ -91,7 +91,7 @@ def assert_same(one, other, scale=1e-12):
 
 @pytest.mark.parametrize("reading", [read, compiled])
 def test_a_sum_is_the_sum_of_its_forces(reading):
-    light = tweezer.optics.light(tweezer.load_scene("silica-1um"))
+    light = tweezer.optics.light_force(tweezer.load_scene("silica-1um"))
     parts = (WELL, LinearTrap(1e-6, (1e-20, 2e-20, 3e-20)), QuarticTrap(1e-6, 1e7), light)
     found = reading(Sum(parts))
     total = [np.zeros_like(each) for each in found]
@@ -121,7 +121,7 @@ def test_a_force_is_moved_and_made_stronger_in_time():
 def test_light_from_above_is_light_turned_over():
     """By a rotation of 180 degrees about x, with moment and gradients."""
     scene = tweezer.load_scene("silica-1um").replace(beam={"torque": "thesis"})
-    light = tweezer.optics.light(scene)
+    light = tweezer.optics.light_force(scene)
     found = read(Moved(light, Course.constant(0.0, 0.0, 0.0), Course.constant(1.0), down=True))
     R = np.diag([1.0, -1.0, -1.0])
     there = read(light, PLACES @ R)

@@ -20,7 +20,7 @@ from tweezer.optics import (
     cone,
     fraction_through_pupil,
     grid,
-    light,
+    light_force,
     total_power,
 )
 from tweezer.optics.beam import intensity
@@ -367,7 +367,7 @@ def test_the_light_of_every_profile_exerts_a_finite_force():
         scenes = [scene_with(profile, lens) for profile in DENSITY]
         scenes.append(table_of([0, 0.2, 0.5, 0.9], [0, 1, 1, 0], lens))
         for scene in scenes:
-            force = light(scene).field(np.array([[1e-6, 0.0, 2e-6]])).force
+            force = light_force(scene).field(np.array([[1e-6, 0.0, 2e-6]])).force
             assert np.isfinite(force).all()
             assert force.any()
 
@@ -378,8 +378,8 @@ def test_uneven_points_are_told():
     off = 100 * cone(uneven).deviation
     assert off > 0.1
     with pytest.warns(PhysicsWarning, match=f"points so uneven .* up to {off:.2g} % of the peak"):
-        light(uneven)
+        light_force(uneven)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.filterwarnings("ignore", "the bead is")
-        light(smooth)
+        light_force(smooth)

@@ -12,7 +12,7 @@ from tests.reference.fields import GaussianWell, LinearTrap
 from tweezer.dynamics import bound_once
 from tweezer.dynamics.walk import walk
 from tweezer.forces import Course, Moved, Sum
-from tweezer.optics import light
+from tweezer.optics import light_force
 from tweezer.scene import with_settings
 from tweezer.values.errors import SceneError, UnitWarning
 
@@ -449,7 +449,7 @@ def test_a_bead_hops_between_two_traps_as_boltzmann_says():
 
 
 def test_light_is_bound_once_for_equal_beams():
-    assert light(TWO).lights[0] is light(TWO).lights[1]
+    assert light_force(TWO).lights[0] is light_force(TWO).lights[1]
 
 
 def test_the_error_of_the_grid_is_told_of_several_beams_too():

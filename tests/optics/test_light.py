@@ -10,7 +10,7 @@ from tests.reference import memory
 from tests.reference.ray_sum import force_and_moment, lens_squares
 from tests.reference.raytracer import trace
 from tweezer.generated import ray
-from tweezer.optics import evaluators_of, fraction_through_pupil, grid, light, total_power
+from tweezer.optics import evaluators_of, fraction_through_pupil, grid, light_force, total_power
 from tweezer.optics.binding import _warn_once
 from tweezer.optics.rays.grid import TILE, near, tiles
 from tweezer.optics.rays.ray_sum import TOTAL_REFLECTION
@@ -85,7 +85,7 @@ def test_jacobian_is_the_derivative(index, polarisation):
         (tweezer.optical_force, tweezer.optical_jacobian(scene, position)),
         (
             tweezer.optical_torque,
-            light(scene).field(position[None], gradient=True).moment_gradient[0],
+            light_force(scene).field(position[None], gradient=True).moment_gradient[0],
         ),
     ):
         differences = (function(scene, position + shifts) - function(scene, position - shifts)) / (
@@ -148,10 +148,10 @@ def test_force_scales_with_power_and_not_with_size(scene):
 @pytest.mark.parametrize("evaluator", ["grid", "quadrature"])
 def test_the_light_on_a_bead_of_another_radius_is_that_of_its_scene(evaluator):
     scene = tweezer.load_scene("silica-1um").replace(optics={"evaluator": evaluator})
-    larger = light(scene.replace(bead={"radius": "0.7 um"}))
+    larger = light_force(scene.replace(bead={"radius": "0.7 um"}))
     positions = places(scene)[:-1]
     np.testing.assert_allclose(
-        light(scene).of_radius(0.7e-6).field(positions).force,
+        light_force(scene).of_radius(0.7e-6).field(positions).force,
         larger.field(positions).force,
         rtol=1e-14,
     )
@@ -179,7 +179,7 @@ def test_any_index(index, polarisation):
         beam={"polarisation": polarisation, "torque": "thesis"},
     )
     positions = np.vstack([np.zeros(3), places(scene)])
-    field = light(scene).field(positions, gradient=True)
+    field = light_force(scene).field(positions, gradient=True)
     for values in (field.force, field.moment, field.force_gradient, field.moment_gradient):
         assert np.isfinite(values).all()
         assert values.any() == (index != 1.33)
@@ -205,7 +205,7 @@ def test_a_bead_beside_the_cone_of_light_is_left_alone(name):
                     np.full(721, side * np.cos(angle)),
                 ]
             )
-            field = light(scene).field(around, gradient=True)
+            field = light_force(scene).field(around, gradient=True)
             assert field.force.any() == lit
             assert field.moment.any() == lit
             assert field.force_gradient.any() == lit
@@ -308,7 +308,7 @@ def test_force_does_not_depend_on_what_memory_held(evaluator, polarisation):
 
 def test_the_worth_of_ray_optics_is_one_warning():
     """Once in a program, whatever is asked of however many scenes."""
-    light.cache_clear()
+    light_force.cache_clear()
     _warn_once.cache_clear()
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("default")

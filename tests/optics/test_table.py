@@ -19,7 +19,7 @@ import pytest
 from filelock import FileLock
 
 import tweezer
-from tweezer.optics import evaluators_of, force_map, light
+from tweezer.optics import evaluators_of, force_map, light_force
 from tweezer.optics.rays import tabulate
 from tweezer.optics.table import _in_memory, _load, _save
 from tweezer.optics.waves.lattice import Lattice
@@ -41,7 +41,7 @@ def mapped(scene, **optics):
 
 
 def exact(scene, tolerance=1e-12):
-    return light(scene.replace(optics={"evaluator": "quadrature", "tolerance": tolerance}))
+    return light_force(scene.replace(optics={"evaluator": "quadrature", "tolerance": tolerance}))
 
 
 def within(scene, count, rng):
@@ -69,7 +69,7 @@ def smooth(scene, positions):
 def test_never_worse_than_its_certificate():
     scene = mapped(tweezer.load_scene("thesis-990nm"))
     positions = within(scene, 100_000, np.random.default_rng(81))
-    read, true = light(scene).field(positions), exact(scene).field(positions)
+    read, true = light_force(scene).field(positions), exact(scene).field(positions)
     made = force_map(scene)
     assert (evaluators_of(scene), made.range) == ("map", 3 * scene.bead.radius)
     assert (read.error == made.certified_error).all()
@@ -86,7 +86,7 @@ def test_jacobian():
     """It is that of the light's force, and of the very force that the map gives."""
     scene = mapped(tweezer.load_scene("thesis-990nm"))
     positions = within(scene, 20_000, np.random.default_rng(82))
-    gradient = light(scene).field(positions, gradient=True).force_gradient
+    gradient = light_force(scene).field(positions, gradient=True).force_gradient
     true = exact(scene).field(positions, gradient=True).force_gradient
     error = np.abs(gradient - true).max(axis=(1, 2)) / np.abs(true).max()
     assert error[smooth(scene, positions)].max() < 2e-4
@@ -123,7 +123,7 @@ def test_every_kind_of_light(kind):
     scene = tweezer.load_scene(name).replace(**changes)
     scene = mapped(scene, table_tolerance=1e-5)
     positions = within(scene, 10_000, np.random.default_rng(83))
-    read = light(scene).field(positions, gradient=True)
+    read = light_force(scene).field(positions, gradient=True)
     true = exact(scene, 1e-10).field(positions, gradient=True)
     made, differentiable = force_map(scene), smooth(scene, positions)
     assert norm(read.force - true.force).max() < made.certified_error < 1e-5 * made.largest_force
@@ -143,7 +143,7 @@ def test_every_kind_of_light(kind):
 def test_at_the_singular_places():
     """On the axis, at the focus, at d = r, where a ray of the rim is tangent, and at the range."""
     scene = mapped(tweezer.load_scene("thesis-990nm"))
-    bound, r = light(scene), scene.bead.radius
+    bound, r = light_force(scene), scene.bead.radius
     th = bound.light.cone.half_angle
     arc = [np.pi / 2 - th, np.pi / 2, np.pi / 2 + th]
     places = [[0, 0, z] for z in (0, 1, -1, 0.6, -0.6, 2, -3, 3)]
@@ -166,7 +166,7 @@ def test_beyond_its_range_the_quadrature_takes_over():
     scene = mapped(tweezer.load_scene("thesis-990nm").replace(beam={"torque": "thesis"}), **SMALL)
     rng = np.random.default_rng(84)
     positions = scene.bead.radius * rng.normal(size=(300, 3))
-    field = light(scene).field(positions, gradient=True)
+    field = light_force(scene).field(positions, gradient=True)
     beyond = exact(scene, scene.optics.tolerance).field(positions, gradient=True)
     outside = norm(positions) > force_map(scene).range
     assert 10 < outside.sum() < 290
@@ -178,7 +178,7 @@ def test_beyond_its_range_the_quadrature_takes_over():
     # to rounding: with the gradient the rings are summed by other rays
     largest = np.abs(field.force).max()
     np.testing.assert_allclose(
-        light(scene).field(positions).force, field.force, rtol=0, atol=5e-13 * largest
+        light_force(scene).field(positions).force, field.force, rtol=0, atol=5e-13 * largest
     )
 
 
@@ -191,7 +191,7 @@ def test_a_missed_tolerance_is_told_and_certified(monkeypatch):
     assert made.pieces <= 150
     assert made.certified_error > 1e-8 * made.largest_force
     positions = within(scene, 20_000, np.random.default_rng(85))
-    force = dataclasses.replace(light(scene), made=made.made).field(positions).force
+    force = dataclasses.replace(light_force(scene), made=made.made).field(positions).force
     assert norm(force - exact(scene, 1e-10).field(positions).force).max() < made.certified_error
 
 
@@ -246,8 +246,8 @@ def test_one_table_for_every_power_and_size(scene, builds):
     assert larger.largest_force == pytest.approx(first.largest_force * 17 / 50)
     places = np.array([[1e-7, 2e-7, -1e-7]])
     np.testing.assert_allclose(
-        light(scene).of_radius(0.7e-6).field(places).force,
-        light(scene.replace(bead={"radius": "0.7 um"})).field(places).force,
+        light_force(scene).of_radius(0.7e-6).field(places).force,
+        light_force(scene.replace(bead={"radius": "0.7 um"})).field(places).force,
         rtol=1e-12,
     )
 
@@ -376,7 +376,7 @@ import importlib
 import sys
 import numpy as np
 import tweezer
-from tweezer.optics import light
+from tweezer.optics import light_force
 from tweezer.optics.rays import tabulate
 from tweezer.optics.rays import quadrature
 by_map = importlib.import_module("tweezer.optics.rays.by_map")
@@ -385,7 +385,7 @@ by_map.build = lambda *a, **k: built.append(1) or tabulate.build(*a, **k)
 scene = tweezer.Scene.model_validate_json(sys.argv[1])
 print("ready", flush=True)
 sys.stdin.readline()
-force = light(scene).field(np.full((1, 3), 1e-7)).force
+force = light_force(scene).field(np.full((1, 3), 1e-7)).force
 kernels = quadrature.quadrature_kernel.cache_info().currsize
 print(len(built), kernels, repr(float(force[0, 2])), flush=True)
 """

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from tweezer.optics import light
+from tweezer.optics import light_force
 from tweezer.scene import Scene, load_scene, shipped_scenes, value_at, with_settings
 from tweezer.values.errors import PhysicsWarning, SceneError, UnitWarning
 from tweezer.values.prefixes import FREQUENT
@@ -696,7 +696,9 @@ def test_an_aperture_without_effect_is_warned_of():
     assert len(seen) == 1
     assert narrow.replace(beam={"power": "10 mW"}).replace(lens={"map": "sine"}).lens.map == "sine"
     narrow_sine = sine.replace(lens={"numerical_aperture": 1.1})
-    forces = [light(scene).field(place).force[0, 2] for scene in (tan, narrow, sine, narrow_sine)]
+    forces = [
+        light_force(scene).field(place).force[0, 2] for scene in (tan, narrow, sine, narrow_sine)
+    ]
     assert forces[0] == forces[1]
     assert forces[2] != forces[3]
 

@@ -22,7 +22,7 @@ from tweezer.dynamics import bound_once
 from tweezer.dynamics.models import bind_translation
 from tweezer.fluid import Stokes, stokes
 from tweezer.fluid.wall import BesideWall
-from tweezer.optics import light
+from tweezer.optics import light_force
 from tweezer.plots import depth_figure
 from tweezer.reading import Track
 from tweezer.tracking import profile
@@ -355,7 +355,7 @@ def test_power_and_a_given_noise(scene, tracks):
         tracks[1], scene, noise=STUDY.noise, search=(-6e-6, -2e-6), fit=["power"]
     )
     (power,) = fit.parameters
-    true = light(scene).light.cone.power
+    true = light_force(scene).light.cone.power
     assert abs(power.value - true) < 4 * power.uncertainty  # false alarm 1e-4
     assert fit.intervals[-1][1] - fit.intervals[0][0] > 2 * (
         known.intervals[-1][1] - known.intervals[0][0]

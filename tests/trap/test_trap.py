@@ -10,7 +10,7 @@ from matplotlib.patches import Circle
 
 import tweezer
 from tests import readable
-from tweezer.optics import light, sampled
+from tweezer.optics import light_force, sampled
 from tweezer.optics.waves.binding import sums
 from tweezer.plots import trap_figure
 
@@ -250,7 +250,7 @@ def test_forces_kept_of_another_power_are_those_of_this_one(changes):
     places = np.random.default_rng(1).normal(size=(120, 3)) * 0.7e-6
     sampled(weak, places)
     force, error = sampled(strong, places)
-    fresh = light.__wrapped__(strong)
+    fresh = light_force.__wrapped__(strong)
     field = fresh.field(places)
     size = np.abs(field.force).max()
     np.testing.assert_allclose(force, field.force, rtol=0, atol=1e-14 * size)
@@ -260,10 +260,10 @@ def test_forces_kept_of_another_power_are_those_of_this_one(changes):
 def test_light_of_waves_is_bound_once_for_all_powers():
     """Bound for one power and for another, the sums are the same to the bit but for the power."""
     scene = silica(beam={"power_through_pupil": "7 mW"})
-    here = light(scene)
+    here = light_force(scene)
     anew = sums(here.light, here.tolerance, here.reach)
     assert here.sums.data.numbers.tobytes() == anew.data.numbers.tobytes()
-    again = light(silica(beam={"power_through_pupil": "70 mW"}))
+    again = light_force(silica(beam={"power_through_pupil": "70 mW"}))
     assert again.alike is here.alike
 
 

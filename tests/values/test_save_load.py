@@ -63,6 +63,7 @@ def tuning():
 
 #: A result of each kind
 MADE = {
+    "light": lambda: tweezer.light(SCENE).field([[0, 0, 0], [1e-7, 0, 0]]),
     "sweep": lambda: tweezer.sweep(SCENE, {"bead.diameter": [5e-7, 1e-6]}, workers=1),
     "statistics": lambda: tweezer.ensemble(THERMAL, 70, statistics=True),
     "ensemble": lambda: tweezer.ensemble(THERMAL, 3),

@@ -161,7 +161,7 @@ def with_thermal_motion(scene: str | Scene, settings: dict[str, str]) -> Scene:
 def bind_light(scene: Scene) -> None:
     """Show the caveat of ray optics, and compute the maps that the scene needs."""
     with importing():
-        from tweezer.optics import light, ray_optics_caveat
+        from tweezer.optics import light_force, ray_optics_caveat
 
     if caveat := ray_optics_caveat(scene):
         show_warning(caveat)
@@ -169,7 +169,7 @@ def bind_light(scene: Scene) -> None:
         if alone.lit and scene.optics.evaluator == "map":
             map_of(alone)
     with warnings.catch_warnings(action="ignore", category=PhysicsWarning):  # said above
-        light(scene)
+        light_force(scene)
 
 
 def map_of(scene: Scene) -> Map:

@@ -31,7 +31,7 @@ from tweezer.forces.equilibria import (
 from tweezer.forces.force import Force, Wrench
 from tweezer.forces.rings import Motion, Ring, off_axis, rings
 from tweezer.forces.wall import CLOSEST, Contact, Dlvo
-from tweezer.optics import Beams, LightForce, light
+from tweezer.optics import Beams, LightForce, light_force
 from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.scene.bead import BeadProperties, bead_properties
 from tweezer.scene.choices import MODELS, POLES
@@ -373,7 +373,7 @@ def bound_once(scene: SceneLike | Problem, others: Sequence[Force | str] = ()) -
     scene = checked_scene(scene)
     bead = bead_properties(scene)
     walls = _forces_of_walls(scene, bead)
-    problem = Problem(scene, bead, drag(scene), light(scene), walls, forces)
+    problem = Problem(scene, bead, drag(scene), light_force(scene), walls, forces)
     if forces:
         try_forces(forces, problem.places_about(), scene.simulation.duration)
     return problem

@@ -8,18 +8,22 @@ from tweezer.optics.beam import (
 )
 from tweezer.optics.binding import (
     Beams,
-    absorbed_power,
     evaluators_of,
     force_map,
-    light,
+    light_force,
     light_of_one_beam,
+)
+from tweezer.optics.drawn import cone_caveat, drawn_half_angle
+from tweezer.optics.light import LightForce
+from tweezer.optics.of_scene import (
+    SceneLight,
+    absorbed_power,
+    light,
     optical_force,
     optical_force_error,
     optical_jacobian,
     optical_torque,
 )
-from tweezer.optics.drawn import cone_caveat, drawn_half_angle
-from tweezer.optics.light import LightForce
 from tweezer.optics.rays.pupil import grid
 from tweezer.optics.sampled import sampled
 from tweezer.optics.table import Table
@@ -36,6 +40,7 @@ __all__ = [
     "Cone",
     "LightForce",
     "RayOpticsWorth",
+    "SceneLight",
     "Table",
     "absorbed_power",
     "cone",
@@ -46,6 +51,7 @@ __all__ = [
     "fraction_through_pupil",
     "grid",
     "light",
+    "light_force",
     "light_of_one_beam",
     "optical_force",
     "optical_force_error",

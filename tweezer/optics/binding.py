@@ -17,19 +17,15 @@ from tweezer.forces.force import Kernel, Wrench, no_force
 from tweezer.optics.light import LightForce, error_by
 from tweezer.optics.table import Progress, Table
 from tweezer.optics.worth import ray_optics_caveat
-from tweezer.scene import Scene, SceneLike, checked_scene
+from tweezer.scene import Scene
 from tweezer.scene.choices import THEORIES, at, evaluator
 from tweezer.scene.sections import Beam
 from tweezer.values.errors import SceneError, warn
-from tweezer.values.printed import in_unit, printed
-from tweezer.values.units import QuantitiesLike, QuantityLike, array_in_si, to_si
 
 Array = NDArray[np.float64]
 
 #: Time longer than any run, s
 _FOREVER = 1e9
-#: How far into a wall a place may lie, in radii: as numbers are rounded
-_ROUNDED = 1e-3
 #: Largest deviation of the light from its table without a warning, as a part of the peak
 _UNEVEN = 1e-3
 
@@ -90,7 +86,7 @@ class Beams(Sum):
 
 
 @functools.lru_cache(maxsize=16)
-def light(scene: Scene) -> LightForce | Beams:
+def light_force(scene: Scene) -> LightForce | Beams:
     """The force of the light of `scene`, by the evaluator that its `optics` section names.
 
     The forces of several beams add up, as if the beams did not interfere.
@@ -222,145 +218,3 @@ def evaluators_of(scene: Scene) -> str:
 def _warn_once(text: str) -> None:
     """Warn once in a process, whatever its warning filters are."""
     warn(text)
-
-
-def optical_force(
-    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
-) -> Array:
-    """Force of the light on the bead (3.26), N.
-
-    positions: (..., 3) m from the focus, z along the light. time: s, of beams that move or change.
-    Returns (..., 3).
-    Raises `ValueError` for another shape or a position that is not finite, and `SceneError` where
-    the bead would be inside a wall or a cover glass. Warns (`PhysicsWarning`) if the quadrature
-    misses its tolerance; `optical_force_error` has the errors.
-    """
-    field, shape = _field(scene, positions, time)
-    return field.force.reshape(shape)
-
-
-def optical_force_error(
-    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
-) -> Array:
-    """Error of the force of the light on the bead, N.
-
-    positions: (..., 3) m from the focus. time: s. Returns (...): as estimated, or certified by the
-    map, or for the thesis's grid the distance to the quadrature. What the theory of light leaves
-    out is not in it. Raises as `optical_force`.
-    """
-    scene = checked_scene(scene)
-    places, shape = _places(scene, positions)
-    force, time = light(scene), to_si(time, "s")
-    field = force.field(places, time=time)
-    return force.error_of(places, field, time).reshape(shape[:-1])
-
-
-def optical_jacobian(
-    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
-) -> Array:
-    """Derivative of the force over the position, N/m: [..., i, j] = dF_i/dx_j.
-
-    positions: (..., 3) m from the focus. time: s. Returns (..., 3, 3). Raises as
-    `optical_force`. The sum over the grid's rays jumps where a ray begins or ceases to hit the
-    bead; the derivative leaves the jumps out.
-    """
-    field, shape = _field(scene, positions, time, gradient=True)
-    return field.force_gradient.reshape((*shape, 3))
-
-
-def optical_torque(
-    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
-) -> Array:
-    """Moment of the light about the bead's centre, inertial frame, N m.
-
-    positions: (..., 3) m from the focus. time: s. Returns (..., 3). Zero for a sphere that absorbs
-    nothing: every ray leaves it with the impact parameter it came with, and every wave with its
-    angular momentum. An absorbing one takes that of the light it absorbs. With
-    `beam.torque = "thesis"` the moment (3.25).
-    Raises as `optical_force`.
-    """
-    field, shape = _field(scene, positions, time)
-    return field.moment.reshape(shape)
-
-
-def absorbed_power(
-    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
-) -> Array:
-    """Power of the light that the bead absorbs, W.
-
-    positions: (..., 3) m from the focus. time: s. Returns (...). Zero unless an index is complex.
-    Raises as `optical_force`.
-    """
-    scene = checked_scene(scene)
-    places, shape = _places(scene, positions)
-    force, time = light(scene), to_si(time, "s")
-    if isinstance(force, LightForce):
-        return force.absorbed_power(places).reshape(shape[:-1])
-    return force.absorbed_power(places, time).reshape(shape[:-1])
-
-
-def _places(scene: Scene, positions: QuantitiesLike) -> tuple[Array, tuple[int, ...]]:
-    """`positions` (..., 3) as a list of n, and their shape; refused in a wall of `scene`."""
-    try:
-        array = np.ascontiguousarray(array_in_si(positions, "m"))
-    except ValueError as error:
-        raise ValueError(f"positions: {error}") from None
-    if array.ndim == 0 or array.shape[-1] != 3:
-        raise ValueError(f"positions must have the shape (..., 3), not {array.shape}")
-    if not np.isfinite(array).all():
-        raise ValueError("positions must be finite")
-    places = array.reshape(-1, 3)
-    _outside_walls(scene, places)
-    return places, array.shape
-
-
-def _outside_walls(scene: Scene, places: Array) -> None:
-    """Refuse places (n, 3) m at which the bead would reach into a wall, or the glass of a cover."""
-    body, cover = scene.body, scene.lens.cover
-    walls = {z: (normal, "wall") for z, normal in (scene.wall.planes if scene.wall else ())}
-    if cover is not None:
-        for beam in scene.beams:
-            normal = 1.0 if beam.direction == "up" else -1.0
-            walls[-normal * cover.depth] = normal, "cover glass"
-    for z, (normal, name) in walls.items():
-        inside = np.flatnonzero(normal * (places[:, 2] - z) < (1 - _ROUNDED) * body.support(normal))
-        if inside.size:
-            place = ", ".join(in_unit(each, "um") for each in places[inside[0]])
-            raise SceneError(
-                f"positions: at ({place}) um a bead of radius {printed(body.size, 'um')} reaches "
-                f"into the {name} at z = {printed(z, 'um')}, where no force is known"
-            )
-
-
-def _field(
-    scene: SceneLike, positions: QuantitiesLike, time: QuantityLike, *, gradient: bool = False
-) -> tuple[Wrench, tuple[int, ...]]:
-    """Force and moment at `positions` (..., 3) as a list of n, and the shape of `positions`."""
-    scene = checked_scene(scene)
-    places, shape = _places(scene, positions)
-    force, time = light(scene), to_si(time, "s")
-    field = force.field(places, gradient=gradient, time=time)
-    tolerance = scene.optics.tolerance
-    doubtful = field.error > tolerance * np.linalg.norm(field.force, axis=1)
-    if doubtful.any():
-        allowed = _allowed_error(force, places[doubtful], time)
-        ratio = field.error[doubtful] / allowed
-        if (missed := ratio > 1).any():
-            warn(
-                f"the quadrature misses optics.tolerance = {tolerance:g} at {missed.sum()} of "
-                f"{len(places)} places: estimated errors are up to {ratio.max():.2g} times what it "
-                "allows",
-            )
-    return field, shape
-
-
-def _allowed_error(force: LightForce | Beams, positions: Array, time: float) -> Array:
-    """Error allowed at `positions` (n, 3) m by the tolerance, of all beams together, (n,) N."""
-    if isinstance(force, LightForce):
-        return force.allowed_error(force.field(positions).force)
-    allowed = np.zeros(len(positions))
-    for moved, each in zip(force.forces, force.lights, strict=True):
-        if strength := abs(float(moved.strength.at(time)[0])):
-            of_beam = moved.field(positions, time=time).force / strength
-            allowed += strength * each.allowed_error(of_beam)
-    return allowed

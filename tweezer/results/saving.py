@@ -26,8 +26,9 @@ def save(result: Any, path: str | Path) -> Path:
     Parameters
     ----------
     result : Dataset, Trap, Calibration, Surface, SceneFit, DepthFit, Tuning or tuple of Together
-        A result of `simulate`, `ensemble`, `sweep`, `trap_over_heights`, `characterise`,
-        `calibrate`, `find_wall`, `fit`, `fit_depth`, `tune` or `calibration.together`.
+        A result of `simulate`, `ensemble`, `sweep`, `trap_over_heights`, `SceneLight.field`,
+        `characterise`, `calibrate`, `find_wall`, `fit`, `fit_depth`, `tune` or
+        `calibration.together`.
     path : str or Path
         Name of the file. It ends in `.nc` for a dataset and in `.json` for any other result.
 

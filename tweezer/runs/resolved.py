@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tweezer.fluid import drag
-from tweezer.optics import light
+from tweezer.optics import light_force
 from tweezer.results.io import scene_in
 from tweezer.results.run import Run
 
@@ -16,7 +16,7 @@ def resolved(run: Run) -> bool:
     if len(time) < 2:
         return False
     ends = position[[0, -1]]
-    gradient = light(scene).field(ends, gradient=True, time=time[[0, -1]]).force_gradient
+    gradient = light_force(scene).field(ends, gradient=True, time=time[[0, -1]]).force_gradient
     mobility = drag(scene).mobilities(ends).value[:, :2].max(axis=1)
     if not (np.isfinite(gradient).all() and np.isfinite(mobility).all()):
         return False  # as far from the light as no bead is

@@ -68,6 +68,7 @@ class Kind(NamedTuple):
 
 #: Results; the first kind whose marks are all found is the kind of a result
 KINDS = (
+    Kind("light", "the light of a scene", ("scene", "gradient", "light_time")),
     Kind("sweep", "a sweep", ("scene", "over", "outcome"), "sweep", True),
     Kind("statistics", "statistics of an ensemble", ("scene", "stationary_mean"), "ensemble", True),
     Kind("ensemble", "an ensemble", ("scene", "trajectory", "position"), "ensemble", True),

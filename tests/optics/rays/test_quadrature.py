@@ -15,7 +15,7 @@ from scipy.optimize import minimize_scalar
 import tweezer
 from tests.reference import lens_integral
 from tests.reference.raytracer import trace
-from tweezer.optics import cone, light
+from tweezer.optics import cone, light_force
 
 PUBLISHED = Path(__file__).parents[2] / "data" / "ashkin1992.csv"
 SPEED_OF_LIGHT = 299792458.0
@@ -227,7 +227,7 @@ def misses(scene, positions):
     """(error, estimate, allowed) at each position, N: the error beyond what rounding explains."""
     truth = Truth(scene)
     largest = truth.largest()
-    field = light(scene).field(positions)
+    field = light_force(scene).field(positions)
     rows = []
     for position, force, estimate in zip(positions, field.force, field.error, strict=True):
         expected, _, uncertain = truth.field(
@@ -337,7 +337,7 @@ def test_light_too_uneven_for_the_tolerance_ends_and_is_told(polarisation):
     with pytest.warns(tweezer.PhysicsWarning, match="misses optics.tolerance = 1e-12 at"):
         tweezer.optical_force(scene.replace(beam=beams), positions)
     truth = Truth(scene)
-    for position, here, estimate in zip(positions, force, light(scene).field(positions).error,
+    for position, here, estimate in zip(positions, force, light_force(scene).field(positions).error,
                                         strict=True):  # fmt: skip
         assert np.linalg.norm(here - truth.force(position)) <= 10 * estimate
 
@@ -378,7 +378,7 @@ def test_far_away_at_the_edge_of_the_cone_the_force_is_finite(kind):
     gamma = half_angle(scene) * (1 + 10 ** rng.uniform(-17, -12, 2000) * rng.choice([-1, 1], 2000))
     side = rng.choice([-1, 1], 2000)
     direction = np.stack([np.sin(gamma), np.zeros(2000), side * np.cos(gamma)], axis=1)
-    field = light(scene).field(distance[:, None] * direction, gradient=True)
+    field = light_force(scene).field(distance[:, None] * direction, gradient=True)
     assert np.isfinite(field.force_gradient).all()
     at_one_metre = np.linalg.norm(field.force, axis=1) * distance**2
     assert at_one_metre.min() > 0
@@ -402,7 +402,7 @@ def test_a_looser_tolerance_is_not_ignored():
     scene = trap(tolerance=1e-2)
     positions = places(scene, np.random.default_rng(71), 40)
     loose = tweezer.optical_force(scene, positions)
-    tight = light(trap(tolerance=1e-12)).field(positions).force
+    tight = light_force(trap(tolerance=1e-12)).field(positions).force
     assert np.abs(loose - tight).max() > 1e-7 * np.abs(tight).max()
 
 
@@ -421,7 +421,7 @@ def test_any_scene_and_place(seed, **kind):
     """Finite, within the momentum of the light, and both promises kept against the reference."""
     scene = trap(**kind)
     positions = places(scene, np.random.default_rng(seed), 10)[seed % 10 :][:2]
-    field = light(scene).field(positions, gradient=True)
+    field = light_force(scene).field(positions, gradient=True)
     assert np.isfinite(field.force_gradient).all()
     bound = 2 * N_MEDIUM * scene.beam.power_through_pupil / SPEED_OF_LIGHT
     assert (np.linalg.norm(field.force, axis=1) <= bound).all()
@@ -436,7 +436,7 @@ def test_any_scene_and_place(seed, **kind):
 @pytest.mark.parametrize("polarisation", ["averaged-reflectance", "circular", "linear"])
 def test_equal_indices_give_exactly_nothing(polarisation):
     scene = trap(index=N_MEDIUM, polarisation=polarisation, torque="thesis")
-    field = light(scene).field(places(scene, np.random.default_rng(72), 30), gradient=True)
+    field = light_force(scene).field(places(scene, np.random.default_rng(72), 30), gradient=True)
     for values in (field.force, field.moment, field.force_gradient, field.moment_gradient):
         assert not values.any()
 
@@ -447,8 +447,8 @@ def test_no_light_no_force_and_no_error():
     beside = [[3e-6, 0, 1e-6], [0, -5e-6, -2e-6]]
     dark = scene.replace(beam={"power_through_pupil": 0})
     for field in (
-        light(scene).field(np.array(beside)),
-        light(dark).field(np.array([[0.0, 0, 0], [3e-7, 0, 0]])),
+        light_force(scene).field(np.array(beside)),
+        light_force(dark).field(np.array([[0.0, 0, 0], [3e-7, 0, 0]])),
     ):
         assert not field.force.any()
         assert not field.error.any()
@@ -528,7 +528,7 @@ def test_light_along_x_and_along_y_make_circular_light(index):
 def test_on_the_axis_the_force_is_along_it(kind):
     scene = trap(**KINDS[kind])
     heights = scene.bead.radius * np.array([-20, -3, -1.01, -1, -0.5, 0, 0.3, 1, 1 + 1e-7, 4, 20])
-    field = light(scene).field(np.outer(heights, [0, 0, 1]), gradient=True)
+    field = light_force(scene).field(np.outer(heights, [0, 0, 1]), gradient=True)
     assert not field.force[:, :2].any()
     assert field.force[:, 2].all()
     J = field.force_gradient
@@ -542,7 +542,7 @@ def test_on_the_axis_the_force_is_along_it(kind):
 def test_the_force_is_within_the_momentum_of_the_light(kind):
     """No more than 2 n_m P/c, at random places out to 20 radii."""
     scene = trap(**KINDS[kind])
-    field = light(scene).field(places(scene, np.random.default_rng(77), 300))
+    field = light_force(scene).field(places(scene, np.random.default_rng(77), 300))
     bound = 2 * N_MEDIUM * scene.beam.power_through_pupil / SPEED_OF_LIGHT
     assert (np.linalg.norm(field.force, axis=1) <= bound).all()
     assert np.isfinite(field.error).all()
@@ -589,7 +589,7 @@ def test_moment_and_its_gradient(kind):
     """(3.25): each ray's force applied where it enters."""
     scene = trap(**KINDS[kind], torque="thesis")
     positions = scene.bead.radius * np.array(SMOOTH)
-    field = light(scene).field(positions, gradient=True)
+    field = light_force(scene).field(positions, gradient=True)
     largest = np.abs(field.moment).max()
     for position, moment, gradient in zip(
         positions, field.moment, field.moment_gradient, strict=True
@@ -606,8 +606,8 @@ def test_moment_and_its_gradient(kind):
 def test_force_is_the_same_with_gradient_and_without(kind):
     scene = trap(**KINDS[kind], torque="thesis")
     positions = places(scene, np.random.default_rng(78), 40)
-    plain = light(scene).field(positions)
-    full = light(scene).field(positions, gradient=True)
+    plain = light_force(scene).field(positions)
+    full = light_force(scene).field(positions, gradient=True)
     largest = np.abs(plain.force).max()
     size = np.linalg.norm(plain.force, axis=1, keepdims=True) + VANISHING * largest
     assert (np.abs(full.force - plain.force) <= 2e-8 * size).all()

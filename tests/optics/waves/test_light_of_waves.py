@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import tweezer
-from tweezer.optics import light
+from tweezer.optics import light_force
 from tweezer.optics.waves.by_quadrature import WavesByQuadrature
 from tweezer.optics.waves.light import waves_on_bead
 
@@ -159,7 +159,7 @@ def test_a_beam_far_from_the_origin_reaches_the_bead():
         beam={"motion": {"kind": "ramp", "velocity": [0, 0, 1.5e-3], "end": "10 ms"}},
         simulation={"duration": "20 ms"},
     )
-    field = light(moved).field(at[None], time=0.01)
+    field = light_force(moved).field(at[None], time=0.01)
     assert field.error[0] < 1e-6 * size(field.force[0])
     np.testing.assert_allclose(
         field.force[0], tweezer.optical_force(SCENE, [0, 0, -30e-6]), rtol=1e-7
@@ -230,7 +230,7 @@ def test_the_map_errs_by_less_than_it_certifies(changes):
     mapped = scene.replace(optics={"evaluator": "map"})
     at = places(3000, 1.1 * scene.table_reach, 9)
     at[0] = 0.0
-    read, true = (light(each).field(at, gradient=True) for each in (mapped, scene))
+    read, true = (light_force(each).field(at, gradient=True) for each in (mapped, scene))
     table = tweezer.optics.force_map(mapped)
     inside = size(at) < table.range
     assert 0.5 < inside.mean() < 1
@@ -252,8 +252,8 @@ def test_a_bead_of_another_radius_in_the_same_light():
     for evaluator in ("quadrature", "map"):
         scene = SCENE.replace(optics={"evaluator": evaluator})
         other = scene.replace(bead={"diameter": "0.8 um"})
-        force = light(scene).of_radius(0.4e-6).field(at).force
-        expected = light(other).field(at).force
+        force = light_force(scene).of_radius(0.4e-6).field(at).force
+        expected = light_force(other).field(at).force
         assert size(force - expected).max() < 1e-7 * size(expected).max()
 
 
@@ -321,6 +321,6 @@ def test_the_map_of_light_that_a_small_bead_does_not_see():
 
 
 def test_places_out_of_reach_of_a_compiled_loop_are_marked():
-    waves = dataclasses.replace(light(SCENE), reach=2e-6)
+    waves = dataclasses.replace(light_force(SCENE), reach=2e-6)
     kernel_alone = super(WavesByQuadrature, waves).field(np.array([[0, 0, 1e-6], [0, 0, 1e-4]]))
     assert np.isinf(kernel_alone.error).tolist() == [False, True]

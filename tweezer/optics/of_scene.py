@@ -1,0 +1,308 @@
+"""The light of a scene at positions of its bead, with positions checked and quantities named."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.forces.force import Wrench
+from tweezer.optics.binding import Beams, evaluators_of, light_force
+from tweezer.optics.light import LightForce
+from tweezer.results.run import variable, with_error
+from tweezer.scene import Scene, SceneLike, checked_scene
+from tweezer.values.errors import SceneError, warn
+from tweezer.values.printed import in_unit, printed
+from tweezer.values.units import QuantitiesLike, QuantityLike, array_in_si, to_si
+from tweezer.values.version import made_by, versions
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+#: How far into a wall a place may lie, in radii: as numbers are rounded
+_ROUNDED = 1e-3
+
+
+def light(scene: SceneLike) -> SceneLight:
+    """Return the light of a scene, to evaluate at positions of the bead.
+
+    Parameters
+    ----------
+    scene : Scene, str or mapping
+        Scene with one or several beams.
+
+    Returns
+    -------
+    SceneLight
+
+    Examples
+    --------
+    >>> light = tweezer.light("silica-1um")
+    >>> field = light.field([[0, 0, 0], [1e-7, 0, 0]])
+    >>> bool(field.force.sel(axis="x")[1] < 0)  # towards the focus
+    True
+    """
+    return SceneLight(checked_scene(scene))
+
+
+@dataclass(frozen=True)
+class SceneLight:
+    """Light of a scene on its bead. `tweezer.light` makes one.
+
+    Attributes
+    ----------
+    scene : Scene
+        Scene of the light.
+    """
+
+    scene: Scene
+
+    def field(self, positions: QuantitiesLike, *, time: QuantityLike = 0.0) -> xr.Dataset:
+        """Return force, torque, gradient, error and absorbed power at positions of the bead.
+
+        Parameters
+        ----------
+        positions : array_like, shape (..., 3)
+            Positions of the bead from the focus, m, z along the light. Quantities with units are
+            accepted.
+        time : float or quantity, optional
+            Time of beams that move or change, s.
+
+        Returns
+        -------
+        xarray.Dataset
+            Over `place`, or over `place_0`, `place_1` and so on for positions of more dimensions.
+            Positions in xarray whose last dimension is `axis`, such as those of a run, keep the
+            dimensions and coordinates that they have.
+
+            * force: force of the light (3.26), N, over `axis`
+            * torque: moment of the light about the bead's centre, N m, over `axis`
+            * gradient: derivative of the force over the position, N/m, over `axis` of the force
+              and `along` of the position
+            * force_error: error of the force, N; see `optical_force_error`
+            * absorbed_power: power of the light that the bead absorbs, W
+
+            The attribute `light_time` is `time`, s.
+
+        Raises
+        ------
+        ValueError
+            For positions of another shape, or that are not finite.
+        SceneError
+            Where the bead would be inside a wall or a cover glass.
+
+        Warns
+        -----
+        PhysicsWarning
+            If the quadrature misses its tolerance.
+        """
+        import xarray as xr
+
+        places, time = self._places(positions), to_si(time, "s")
+        wrench = self._wrench(places, time, gradient=True)
+        over, coordinates = _before_axis(positions, places)
+        described = {
+            "force": (wrench.force, "N", "force of the light"),
+            "torque": (wrench.moment, "N m", "moment of the light about the bead's centre"),
+            "gradient": (wrench.force_gradient, "N/m", "derivative of the force over the position"),
+            "force_error": (self._error(places, wrench, time), "N", "error of the force"),
+            "absorbed_power": (
+                self._absorbed(places, time), "W", "power of the light that the bead absorbs"
+            ),
+        }  # fmt: skip
+        variables = {
+            name: variable(
+                (*over, *("axis", "along")[: values.ndim - 1]),
+                values.reshape(places.shape[:-1] + values.shape[1:]), *of,
+            )
+            for name, (values, *of) in described.items()
+        }  # fmt: skip
+        variables["force"] = with_error(variables["force"], "force_error")
+        axes = np.array(["x", "y", "z"])
+        coordinates |= {
+            "position": variable((*over, "axis"), places, "m", "position of the bead's centre"),
+            "axis": (("axis",), axes, {"long_name": "axis, z along the light"}),
+            "along": (("along",), axes, {"long_name": "axis along which the position changes"}),
+        }
+        attributes = {
+            "title": self.scene.title,
+            "scene": self.scene.model_dump_json(exclude_none=True),
+            "light_time": time,
+            "force_evaluator": evaluators_of(self.scene),
+            **versions(),
+            **made_by("light", dated=True),
+        }
+        return xr.Dataset(variables, coordinates, attributes)
+
+    @property
+    def _force(self) -> LightForce | Beams:
+        return light_force(self.scene)
+
+    def _places(self, positions: QuantitiesLike) -> Array:
+        """`positions` (..., 3), m; refused in a wall of the scene."""
+        try:
+            array = np.ascontiguousarray(array_in_si(positions, "m"))
+        except ValueError as error:
+            raise ValueError(f"positions: {error}") from None
+        if array.ndim == 0 or array.shape[-1] != 3:
+            raise ValueError(f"positions must have the shape (..., 3), not {array.shape}")
+        if not np.isfinite(array).all():
+            raise ValueError("positions must be finite")
+        _outside_walls(self.scene, array.reshape(-1, 3))
+        return array
+
+    def _wrench(self, places: Array, time: float, *, gradient: bool = False) -> Wrench:
+        """Force and moment at `places` (..., 3), as lists."""
+        listed, force = places.reshape(-1, 3), self._force
+        field = force.field(listed, gradient=gradient, time=time)
+        tolerance = self.scene.optics.tolerance
+        doubtful = field.error > tolerance * np.linalg.norm(field.force, axis=1)
+        if doubtful.any():
+            allowed = _allowed_error(force, listed[doubtful], time)
+            ratio = field.error[doubtful] / allowed
+            if (missed := ratio > 1).any():
+                warn(
+                    f"the quadrature misses optics.tolerance = {tolerance:g} at {missed.sum()} of "
+                    f"{len(listed)} places: estimated errors are up to {ratio.max():.2g} times "
+                    "what it allows",
+                )
+        return field
+
+    def _error(self, places: Array, field: Wrench, time: float) -> Array:
+        """Error of the force of `field`, which is that at `places` (..., 3), as a list."""
+        return self._force.error_of(places.reshape(-1, 3), field, time)
+
+    def _absorbed(self, places: Array, time: float) -> Array:
+        """Power that the bead absorbs at `places` (..., 3), as a list."""
+        listed, force = places.reshape(-1, 3), self._force
+        if isinstance(force, LightForce):
+            return force.absorbed_power(listed)
+        return force.absorbed_power(listed, time)
+
+
+def _before_axis(
+    positions: QuantitiesLike, places: Array
+) -> tuple[tuple[str, ...], dict[Hashable, Any]]:
+    """Dimensions of `positions` before the last, and their coordinates; `places`: the same, m."""
+    import xarray as xr
+
+    if isinstance(positions, xr.DataArray) and positions.dims[-1] == "axis":
+        over = tuple(map(str, positions.dims[:-1]))
+        kept = {
+            name: each.variable for name, each in positions.coords.items()
+            if set(each.dims) <= set(over)
+        }  # fmt: skip
+        return over, kept
+    if places.ndim == 2:
+        return ("place",), {}
+    return tuple(f"place_{number}" for number in range(places.ndim - 1)), {}
+
+
+def optical_force(
+    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
+) -> Array:
+    """Force of the light on the bead (3.26), N.
+
+    positions: (..., 3) m from the focus, z along the light. time: s, of beams that move or change.
+    Returns (..., 3).
+    Raises `ValueError` for another shape or a position that is not finite, and `SceneError` where
+    the bead would be inside a wall or a cover glass. Warns (`PhysicsWarning`) if the quadrature
+    misses its tolerance; `optical_force_error` has the errors.
+    """
+    of = light(scene)
+    places = of._places(positions)
+    return of._wrench(places, to_si(time, "s")).force.reshape(places.shape)
+
+
+def optical_force_error(
+    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
+) -> Array:
+    """Error of the force of the light on the bead, N.
+
+    positions: (..., 3) m from the focus. time: s. Returns (...): as estimated, or certified by the
+    map, or for the thesis's grid the distance to the quadrature. What the theory of light leaves
+    out is not in it. Raises as `optical_force`.
+    """
+    of = light(scene)
+    places, time = of._places(positions), to_si(time, "s")
+    field = of._force.field(places.reshape(-1, 3), time=time)
+    return of._error(places, field, time).reshape(places.shape[:-1])
+
+
+def optical_jacobian(
+    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
+) -> Array:
+    """Derivative of the force over the position, N/m: [..., i, j] = dF_i/dx_j.
+
+    positions: (..., 3) m from the focus. time: s. Returns (..., 3, 3). Raises as
+    `optical_force`. The sum over the grid's rays jumps where a ray begins or ceases to hit the
+    bead; the derivative leaves the jumps out.
+    """
+    of = light(scene)
+    places = of._places(positions)
+    field = of._wrench(places, to_si(time, "s"), gradient=True)
+    return field.force_gradient.reshape((*places.shape, 3))
+
+
+def optical_torque(
+    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
+) -> Array:
+    """Moment of the light about the bead's centre, inertial frame, N m.
+
+    positions: (..., 3) m from the focus. time: s. Returns (..., 3). Zero for a sphere that absorbs
+    nothing: every ray leaves it with the impact parameter it came with, and every wave with its
+    angular momentum. An absorbing one takes that of the light it absorbs. With
+    `beam.torque = "thesis"` the moment (3.25).
+    Raises as `optical_force`.
+    """
+    of = light(scene)
+    places = of._places(positions)
+    return of._wrench(places, to_si(time, "s")).moment.reshape(places.shape)
+
+
+def absorbed_power(
+    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
+) -> Array:
+    """Power of the light that the bead absorbs, W.
+
+    positions: (..., 3) m from the focus. time: s. Returns (...). Zero unless an index is complex.
+    Raises as `optical_force`.
+    """
+    of = light(scene)
+    places = of._places(positions)
+    return of._absorbed(places, to_si(time, "s")).reshape(places.shape[:-1])
+
+
+def _outside_walls(scene: Scene, places: Array) -> None:
+    """Refuse places (n, 3) m at which the bead would reach into a wall, or the glass of a cover."""
+    body, cover = scene.body, scene.lens.cover
+    walls = {z: (normal, "wall") for z, normal in (scene.wall.planes if scene.wall else ())}
+    if cover is not None:
+        for beam in scene.beams:
+            normal = 1.0 if beam.direction == "up" else -1.0
+            walls[-normal * cover.depth] = normal, "cover glass"
+    for z, (normal, name) in walls.items():
+        inside = np.flatnonzero(normal * (places[:, 2] - z) < (1 - _ROUNDED) * body.support(normal))
+        if inside.size:
+            place = ", ".join(in_unit(each, "um") for each in places[inside[0]])
+            raise SceneError(
+                f"positions: at ({place}) um a bead of radius {printed(body.size, 'um')} reaches "
+                f"into the {name} at z = {printed(z, 'um')}, where no force is known"
+            )
+
+
+def _allowed_error(force: LightForce | Beams, positions: Array, time: float) -> Array:
+    """Error allowed at `positions` (n, 3) m by the tolerance, of all beams together, (n,) N."""
+    if isinstance(force, LightForce):
+        return force.allowed_error(force.field(positions).force)
+    allowed = np.zeros(len(positions))
+    for moved, each in zip(force.forces, force.lights, strict=True):
+        if strength := abs(float(moved.strength.at(time)[0])):
+            of_beam = moved.field(positions, time=time).force / strength
+            allowed += strength * each.allowed_error(of_beam)
+    return allowed
