@@ -1,4 +1,4 @@
-"""Tests whether a record is that of a bead in a harmonic trap at rest, before any estimate."""
+"""Tests whether a record agrees with a bead in a harmonic trap at rest, before any estimate."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ _DISTINCT = 1e-3
 
 @dataclass(frozen=True)
 class Finding:
-    """A reason not to trust a record or an estimate."""
+    """Reason not to trust a record or an estimate, with a name and a text."""
 
     name: str
     """of the digits: "lost", "repeated", "interpolated", "copied", "rounded", "turns", "order"; of
@@ -87,19 +87,19 @@ def in_words(findings: Iterable[Finding]) -> str:
 
 @dataclass(frozen=True)
 class Fits:
-    """A record, and the fits that tests compare it with."""
+    """Spectrum of a record, and the fits that tests compare it with."""
 
     whole: Periodogram
-    """of the record, up to Nyquist's frequency"""
+    """periodogram of the record, up to Nyquist's frequency"""
     fit: WhittleFit
     """fit with the given drag; `free` if none was given"""
     free: WhittleFit
     """fit of stiffness and drag"""
     left_out: LeftOut = NOTHING
-    """what is left out of the record"""
+    """drift and bands that are left out of the record"""
 
     def per(self, response: float) -> Fits:
-        """The same of a signal over a response."""
+        """Return these fits for the signal divided by `response`, V/m or a number."""
         fit = self.fit.per(response)
         free = fit if self.free is self.fit else self.free.per(response)
         return Fits(self.whole.per(response), fit, free, self.left_out)
@@ -155,16 +155,20 @@ def examine(
 
 
 def relative_variance_of_variance(bead: TrappedBead, whole: Periodogram) -> float:
-    """Relative variance of the variance of a record of that bead.
+    """Return the relative variance of the position variance of a record of `bead`.
 
-    The variance is a sum of independent, exponentially distributed ordinates.
+    `whole` is the periodogram of the record, whose frequencies count. The variance is a sum of
+    independent, exponentially distributed ordinates.
     """
     power = whole.counts * whole.expected(bead)
     return float((power**2 / whole.counts).sum() / power.sum() ** 2)
 
 
 def _stray(positions: Array, step: float) -> Finding | None:
-    """Samples far off, by the median, which outliers do not shift."""
+    """Return a finding for samples that are far from the median, or at the detector's limit.
+
+    `positions` (n,) are sampled every `step`, s. Outliers do not shift the median.
+    """
     off, deviation = spread(positions)
     farthest = int(off.argmax())
     if deviation == 0:
@@ -187,13 +191,17 @@ def _stray(positions: Array, step: float) -> Finding | None:
 
 
 def _two_largest(numbers: Array) -> tuple[float, float]:
-    """The largest and the second largest distinct number."""
+    """Return the largest number and the largest of those below it."""
     largest = numbers.max()
     return float(largest), float(numbers[numbers < largest].max())
 
 
 def _like_a_free_bead(duration: float, fits: Fits) -> Finding | None:
-    """Too few relaxations; or slow motion is left out, and no plateau is seen in what remains."""
+    """Return a finding if the record, of `duration` s, looks like that of a free bead.
+
+    It does if it has too few relaxation times, or if slow motion is left out and the remaining
+    spectrum has no plateau.
+    """
     bead, slowest = fits.free.bead, float(fits.free.periodogram.frequencies[0])
     relaxations = duration / bead.relaxation_time
     if relaxations < _RELAXATIONS:
@@ -207,13 +215,14 @@ def _like_a_free_bead(duration: float, fits: Fits) -> Finding | None:
 
 
 def _unsteady(positions: Array, step: float, fits: Fits, looks_free: bool) -> list[Finding | None]:
-    """A mean that drifts, and a variance that differs between the halves.
+    """Return findings for a mean that drifts, and for a variance that differs between the halves.
 
-    Drift: the first cosines of the record (DCT-II, half a period and more), or the first that were
-    not taken off, against the spectrum of the remainder. They are nearly independent and Gaussian,
-    each with a variance of S/(2 step) at its frequency; the spectrum is itself fitted, hence
-    Fisher's F. Free diffusion resembles a drift: for a bead that looks free, drift is reported only
-    if the remainder is long.
+    `positions` (n,), m, are sampled every `step`, s. The test of drift compares the slowest cosines
+    in the record (DCT-II, half a period and more) that were not removed with the spectrum of the
+    remainder. Each cosine is nearly independent and Gaussian with a variance of S/(2 step), where S
+    is the spectral density at its frequency. S is itself fitted, hence Fisher's F. Free diffusion
+    resembles a drift: for a bead that `looks_free`, drift is reported only if the remainder is
+    long.
     """
     samples, fit = len(positions), fits.fit
     first = 1 + fits.left_out.cosines(samples, step)
@@ -225,7 +234,7 @@ def _unsteady(positions: Array, step: float, fits: Fits, looks_free: bool) -> li
         rest -= cosine
     whole = Periodogram.of(rest, step, fits.whole.without)
     slowest = (first + SLOW) / (2 * samples * step)
-    # the frequencies that lose nothing with the cosines
+    # the frequencies from which the cosines remove nothing
     kept = (whole.frequencies > max(slowest, fits.left_out.fit_range[0])) & (
         whole.frequencies <= fit.periodogram.frequencies[-1]
     )
@@ -237,7 +246,8 @@ def _unsteady(positions: Array, step: float, fits: Fits, looks_free: bool) -> li
     steady = fitted(whole[kept], start, fit.free, _ROUGHLY)
     at = np.arange(first, first + SLOW) / (2 * samples * step)
     expected = steady.bead.sampled_spectrum(at, step) / (2 * step)
-    freedom = 2 / steady.uncertainty(-2, 1) ** 2  # of S(0) = 4 k_B T beta/k^2
+    # degrees of freedom of the plateau S(0) = 4 k_B T beta/k^2 (beta: drag, k: stiffness)
+    freedom = 2 / steady.uncertainty(-2, 1) ** 2
     p_value = 2 * min(
         float(fdtrc(m, freedom, (slow[:m] ** 2 / expected[:m]).mean())) for m in (1, SLOW)
     )
@@ -279,6 +289,7 @@ def _cosine(half_periods: int, samples: int) -> Array:
 
 
 def _short_times_differ(first: Array, second: Array) -> bool:
+    """Return whether two parts of a record, (n,) m, differ in their mean squared steps."""
     squares = [np.diff(half) ** 2 for half in (first, second)]
     error = math.hypot(*map(standard_error, squares))
     apart = abs(squares[0].mean() - squares[1].mean())
@@ -288,12 +299,13 @@ def _short_times_differ(first: Array, second: Array) -> bool:
 def _white(
     positions: Array, step: float, fits: Fits, exposure_known: bool, resolution: float
 ) -> Finding | None:
-    """White noise, or the opposite: less motion from sample to sample than in the fit.
+    """Return a finding for white noise, or for less motion from sample to sample than in the fit.
 
-    The score of a constant added to the spectrum, at the fit (C. R. Rao, Proc. Camb. Philos. Soc.
-    44, 50 (1948)), over all frequencies; above those of the fit for the increments, which do not
-    leak. For an overdamped bead, noise and exposure change the shape of the spectrum only by such a
-    constant, positive or negative.
+    `positions` (n,), m, are sampled every `step`, s, and have the `resolution`, m. It is the score
+    test of a constant added to the fitted spectrum (C. R. Rao, Proc. Camb. Philos. Soc. 44, 50
+    (1948)). Above the frequencies of the fit it uses the increments of the positions, whose
+    spectrum does not leak. For an overdamped bead, noise and exposure change the shape of the
+    spectrum only by such a constant, positive or negative.
     """
     free, part = fits.free, fits.free.periodogram
     increments = Periodogram.of(np.diff(positions), step, fits.whole.without)
@@ -301,7 +313,7 @@ def _white(
         (increments.frequencies > part.frequencies[-1])
         & (increments.frequencies <= fits.left_out.fit_range[1])
     ]
-    gain = 4 * np.sin(np.pi * beyond.frequencies * step) ** 2
+    gain = 4 * np.sin(np.pi * beyond.frequencies * step) ** 2  # of increments over positions
     sampled = free.bead.sampled_spectrum(beyond.frequencies, step)
     n = np.concatenate([part.counts, beyond.counts])
     expected = np.concatenate([part.expected(free.bead), sampled])
@@ -319,7 +331,7 @@ def _white(
     )
     fitting = np.hstack([part.counts * free.slopes, np.zeros((len(free.free), beyond.counts.size))])
     covariance = free.covariance
-    # its information beside stiffness and drag
+    # the information on the constant that is not shared with stiffness and drag
     influence = n * per_noise - (slopes @ (n * per_noise)) @ covariance @ fitting
     information = float(influence @ per_noise)
     if information < _DISTINCT * float(n @ per_noise**2):
@@ -362,7 +374,11 @@ def _white(
 
 
 def _unknown_exposure(fit: WhittleFit, step: float) -> Finding | None:
-    """Effect of an unknown exposure that the record does not exclude."""
+    """Return a finding if an exposure that the record does not exclude changes the stiffness.
+
+    The exposures tried are a quarter, half and all of the sampling interval `step`, s. A record
+    that an exposure fits much better than none has a finding too.
+    """
     exposures = [dataclasses.replace(fit.bead, exposure=part * step) for part in _EXPOSURES]
     exposed = [fitted(fit.periodogram, bead, fit.free, _ROUGHLY) for bead in exposures]
     best = max(exposed, key=lambda each: each.log_likelihood)
@@ -407,10 +423,11 @@ def spectrum_p_value(fit: WhittleFit) -> float:
 
 
 def _line(fits: Fits, above: float) -> Finding | None:
-    """Motion at single frequencies, such as a vibration or hum.
+    """Return a finding for motion at single frequencies above `above`, Hz, such as a vibration.
 
-    Ordinates of the periodogram over the fitted spectrum; such ratios are distributed exponentially
-    (R. A. Fisher, Proc. R. Soc. A 125, 54 (1929)). above: Hz.
+    The ratios of the ordinates of the periodogram to the fitted spectrum are distributed
+    exponentially, so that their largest value can be tested (R. A. Fisher, Proc. R. Soc. A 125, 54
+    (1929)).
     """
     bead, part = fits.free.bead, fits.free.periodogram
     first = int(np.searchsorted(part.covered[0], above, side="right"))
@@ -437,6 +454,7 @@ def _line(fits: Fits, above: float) -> Finding | None:
 
 
 def _spectrum(free: WhittleFit) -> Finding | None:
+    """Return a finding if the spectrum is not that of the fit of stiffness and drag."""
     if spectrum_p_value(free) >= REFUTED:
         return None
     text = "the spectrum is not that of a trapped bead"
@@ -448,7 +466,10 @@ def _spectrum(free: WhittleFit) -> Finding | None:
 
 
 def _drag(fits: Fits) -> Finding | None:
-    """The given drag against the fitted one (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938))."""
+    """Return a finding if the given drag contradicts the fitted one.
+
+    It is the test of a likelihood ratio (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938)).
+    """
     gain = 2 * (fits.free.log_likelihood - fits.fit.log_likelihood)
     if chdtrc(1, max(gain, 0)) >= IMPROBABLE:
         return None

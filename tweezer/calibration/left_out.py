@@ -1,4 +1,4 @@
-"""What is left out of a record: slow drift, bands of frequencies, and what a fit does not use."""
+"""Parts left out of a record: slow drift, bands of frequencies, and the frequencies no fit uses."""
 
 from __future__ import annotations
 
@@ -26,32 +26,32 @@ LEAST_ORDINATES = 50
 
 
 class Missing(NamedTuple):
-    """The part of a bead's motion that was left out: a sum of cosines."""
+    """Part of a bead's motion that is missing in a record, as a sum of n cosines."""
 
     frequencies: Array
-    """(n,) Hz"""
+    """(n,) Hz, frequencies of the cosines"""
     variances: Array
-    """(n,) m^2 or V^2, expected of that bead"""
+    """(n,) m^2 or V^2, expected variances of the cosines in the bead's motion"""
 
     def autocovariance(self, times: ArrayLike) -> Array:
-        """At `times` (s)."""
+        """Return the autocovariance of the missing motion at `times`, s, in m^2 or V^2."""
         angles = 2 * np.pi * np.multiply.outer(times, self.frequencies)
         return np.asarray(np.cos(angles) @ self.variances)
 
 
 @dataclass(frozen=True)
 class LeftOut:
-    """What is left out of a record.
+    """Drift and bands of frequencies that are left out of a record, and the range of its fits.
 
-    Drift is taken off as whole cosines, those with half a period in the record and more up to its
-    frequency (DCT-II), and a band as its strongest line and the Fourier components in it. What
-    these hold of the bead's own motion is missing then, and known from the fit (`missing`).
+    Drift is removed as whole cosines (DCT-II), from half a period in the record up to the frequency
+    of the drift. A band is removed as its strongest line and the Fourier components in it. The part
+    of the bead's own motion that is removed with them follows from the fit (`missing`).
     """
 
     bands: tuple[Band, ...] = ()
     """frequencies from and to, Hz"""
     drift: float = 0.0
-    """Hz: what is slower is taken off"""
+    """Hz, frequency below which motion is removed"""
     fit_range: Band = (0.0, math.inf)
     """frequencies from and to, Hz, that spectra are fitted over; the record keeps the others"""
 
@@ -63,9 +63,9 @@ class LeftOut:
         drift: QuantityLike | None = None,
         fit_range: str | Band | None = None,
     ) -> LeftOut:
-        """By numbers in Hz, or text with units: "49 Hz..51 Hz".
+        """Return the parts to leave out, from numbers in Hz or text such as "49 Hz..51 Hz".
 
-        name: of the record, for `ResultError` of what is no such range.
+        `name` is that of the record, which a `ResultError` about an invalid value contains.
         """
         bands = tuple(_band(name, "leave_out", each) for each in leave_out)
         slowest = 0.0 if drift is None else _hertz(name, "drift", drift, drift)
@@ -73,7 +73,7 @@ class LeftOut:
         return cls(bands, slowest, within)
 
     def cosines(self, samples: int, step: float) -> int:
-        """Number of cosines that are taken off."""
+        """Return the number of cosines that are removed as drift; `step`, s, between samples."""
         return math.floor(2 * self.drift * samples * step)
 
     def refuse_too_much(self, name: str, samples: int, step: float) -> None:
@@ -88,7 +88,7 @@ class LeftOut:
             )
 
     def of_record(self, samples: int, step: float) -> tuple[Band, ...]:
-        """Bands (Hz) whose ordinates are left out of the record's spectrum."""
+        """Return the bands (Hz) whose ordinates are left out of the record's spectrum."""
         if not (taken := self.cosines(samples, step)):
             return self.bands
         return (*self.bands, (0.0, (taken + 1) / (2 * samples * step)))
@@ -101,7 +101,7 @@ class LeftOut:
         return (*bands, (high, math.inf)) if math.isfinite(high) else tuple(bands)
 
     def without(self, signal: Array, step: float) -> Array:
-        """A signal (n,) without drift and bands."""
+        """Return a signal (n,), sampled every `step`, s, without drift and bands."""
         from scipy.fft import dct, idct, irfft, rfft
 
         if taken := self.cosines(len(signal), step):
@@ -109,7 +109,7 @@ class LeftOut:
             parts[1 : taken + 1] = 0.0
             signal = idct(parts, norm="ortho")
         if self.bands:
-            for band in self.bands:  # a line is not only in its band
+            for band in self.bands:  # first its line, which leaks out of the band
                 line = strongest_line(signal - signal.mean(), step, band)
                 if line is not None:
                     moving = motion(signal, [line], step)[1]
@@ -121,7 +121,10 @@ class LeftOut:
         return signal
 
     def missing(self, bead: TrappedBead, samples: int, step: float) -> Missing:
-        """What is missing of the motion of that bead."""
+        """Return the part of a bead's motion that a record lacks after drift and bands are removed.
+
+        At most `_MOST` frequencies represent each band.
+        """
         duration = samples * step
         taken = self.cosines(samples, step)
         every = [(np.arange(1, taken + 1) / (2 * duration), 1 / (2 * duration))]
@@ -137,7 +140,11 @@ class LeftOut:
         return Missing(frequencies, widths * bead.sampled_spectrum(frequencies, step, samples))
 
     def words(self, signal: Array, kept: Array, step: float, unit: str) -> str:
-        """What was left out of a signal (n,), in words; "" if nothing. kept: what remains of it."""
+        """Return the parts that were left out of a signal (n,) in words; "" if there are none.
+
+        `kept` (n,) is the remaining signal, `step`, s, the sampling interval, and `unit` "m" or
+        "V".
+        """
         taken = self.cosines(len(signal), step)
         parts = [f"the drift, {taken} cosines slower than {self.drift:.3g} Hz"] if taken else []
         parts += [f"{low:.4g} to {high:.4g} Hz" for low, high in self.bands]
@@ -149,6 +156,7 @@ class LeftOut:
 
 
 def _band(name: str, key: str, value: str | Band) -> Band:
+    """Return the ends of a band in Hz; `name` of the record and `key` are for error messages."""
     ends: Sequence[QuantityLike] = value.split("..") if isinstance(value, str) else value
     if len(ends) != 2:
         raise ResultError(f'{name}: {key} = {value!r}: must be such as "49 Hz..51 Hz"')
@@ -159,6 +167,7 @@ def _band(name: str, key: str, value: str | Band) -> Band:
 
 
 def _hertz(name: str, key: str, value: QuantityLike, given: object) -> float:
+    """Return a frequency in Hz; `given` is the whole argument `key` that a message quotes."""
     try:
         number = to_si(bare(value), "1/s")
     except ValueError as error:

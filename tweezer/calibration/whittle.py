@@ -51,14 +51,21 @@ MOTION = ("stiffness", "drag")
 
 
 class Coordinate(NamedTuple):
-    """A parameter of a bead as a fit has it: what is smooth where the parameter ends."""
+    """Transformation of a bead's parameter to the coordinate in which a fit varies it.
+
+    The likelihood is a smooth function of the coordinate up to the ends of the parameter.
+    """
 
     of: Callable[[TrappedBead, Periodogram], float]
+    """function from a bead and a periodogram to the coordinate"""
     to: Callable[[float, Periodogram], float | None]
+    """function from the coordinate and a periodogram to the parameter, in SI"""
     ends: tuple[float, float]
+    """smallest and largest coordinate"""
 
 
 def _logarithm(name: str) -> Coordinate:
+    """Return the coordinate of a positive parameter of `TrappedBead`: its logarithm."""
     return Coordinate(
         lambda bead, _: math.log(getattr(bead, name)), lambda x, _: math.exp(x), (-600.0, 600.0)
     )
@@ -68,13 +75,14 @@ COORDINATES = {
     "stiffness": _logarithm("stiffness"),
     "drag": _logarithm("drag"),
     "response": _logarithm("response"),
-    # (W/step)^2, as what a short exposure takes from the spectrum
+    # (exposure/step)^2, to which the power that a short exposure removes is proportional
     "exposure": Coordinate(
         lambda bead, by: (bead.exposure / by.step) ** 2,
         lambda x, by: math.sqrt(x) * by.step,
         (0.0, 1.0),
     ),
-    # (f_Nyquist/f_3)^2, as what a fast diode takes
+    # (f_Nyquist/f_3)^2, to which the power that a fast diode of frequency f_3 removes is
+    # proportional
     "diode_frequency": Coordinate(
         lambda bead, by: (0.5 / by.step / (bead.diode_frequency or math.inf)) ** 2,
         lambda x, by: 0.5 / by.step / math.sqrt(x) if x else None,
@@ -83,7 +91,7 @@ COORDINATES = {
     "diode_fraction": Coordinate(
         lambda bead, _: bead.diode_fraction**2, lambda x, _: math.sqrt(x), (0.0, 1.0)
     ),
-    # of the density at the highest frequencies
+    # density of the white noise over the density at the highest frequencies
     "noise": Coordinate(
         lambda bead, by: 2 * by.step * bead.noise**2 / by.floor,
         lambda x, by: math.sqrt(x * by.floor / (2 * by.step)),
@@ -92,19 +100,19 @@ COORDINATES = {
 }
 
 
-#: Coordinates from which on a limit says nothing.
+#: Coordinates of parameters at which an upper limit excludes nothing, as no larger one exists.
 _TRIVIAL = {"exposure": 1.0, "diode_fraction": 1.0}
 
 
 class Evidence(Protocol):
-    """What else is known of a bead, beside its spectrum: Gaussian numbers."""
+    """Measured number with a Gaussian uncertainty, on which a fit is based beside the spectrum."""
 
     def misfit(self, bead: TrappedBead) -> float:
-        """Deviation from what is expected of that bead, in standard uncertainties."""
+        """Return the deviation from the number expected for a bead, in standard uncertainties."""
         ...
 
     def per(self, response: float) -> Evidence:
-        """The same for a signal over a response."""
+        """Return the evidence for the signal divided by `response`, V/m or a number."""
         ...
 
 
@@ -121,9 +129,9 @@ class Periodogram:
     step: float
     """s"""
     samples: float
-    """length of the record; infinite if leakage is left out"""
+    """number of samples of the record; infinite if leakage is left out"""
     floor: float
-    """density at the highest frequencies of the record: the unit of that of white noise"""
+    """m^2/Hz, density at the highest frequencies of the record, the unit of the noise density"""
     ends: Array
     """(blocks, 2) Hz, the lowest and the highest ordinate of each block"""
     ordinates: Array
@@ -131,15 +139,15 @@ class Periodogram:
     without: tuple[tuple[float, float], ...] = ()
     """bands (Hz) whose ordinates are left out"""
     beside: tuple[Evidence, ...] = ()
-    """what else is known"""
+    """further measured numbers that a fit takes into account"""
 
     @classmethod
     def of(
         cls, positions: Array, step: float, without: Sequence[tuple[float, float]] = ()
     ) -> Periodogram:
-        """The periodogram of `positions` (n,), m, one every `step` (s).
+        """Return the periodogram of `positions` (n,), m, sampled every `step`, s.
 
-        without: bands (Hz) whose ordinates are left out.
+        `without` contains the bands (Hz) whose ordinates are left out.
         """
         frequencies, density = power_spectrum(positions, step)
         n = frequencies.size
@@ -182,7 +190,7 @@ class Periodogram:
         return frequencies, self.ordinates[inside - 1]
 
     def per(self, response: float) -> Periodogram:
-        """That of a signal over a response."""
+        """Return the periodogram of the signal divided by `response`, V/m or a number."""
         return dataclasses.replace(
             self,
             density=self.density / response**2,
@@ -192,11 +200,14 @@ class Periodogram:
         )
 
     def expected(self, bead: TrappedBead) -> Array:
-        """Expected density for a record of that bead, (blocks,) m^2/Hz."""
+        """Return the expected density for a record of `bead`, (blocks,) m^2/Hz."""
         return bead.sampled_spectrum(self.frequencies, self.step, self.samples)
 
     def log_likelihood(self, bead: TrappedBead) -> float:
-        """Log-likelihood of exponential ordinates (P. Whittle, Ark. Mat. 2, 423 (1953))."""
+        """Return the log-likelihood of a bead, for exponentially distributed ordinates.
+
+        It includes the further evidence (P. Whittle, Ark. Mat. 2, 423 (1953)).
+        """
         try:
             with np.errstate(all="raise", under="ignore"):
                 expected = self.expected(bead)
@@ -210,7 +221,7 @@ class Periodogram:
     def at(
         self, bead: TrappedBead, free: Sequence[str], coordinates: Sequence[float] | Array
     ) -> TrappedBead:
-        """`bead` with other values of its free parameters."""
+        """Return `bead` with its parameters `free` at other `coordinates` (free,)."""
         changed = {
             name: COORDINATES[name].to(float(x), self)
             for name, x in zip(free, coordinates, strict=True)
@@ -218,13 +229,16 @@ class Periodogram:
         return dataclasses.replace(bead, **changed)  # type: ignore[arg-type]
 
     def coordinates(self, bead: TrappedBead, free: Sequence[str]) -> Array:
-        """Of its free parameters, (free,)."""
+        """Return the coordinates of a bead's parameters `free`, (free,)."""
         return np.array([COORDINATES[name].of(bead, self) for name in free])
 
     def differences(
         self, of: Callable[[TrappedBead], Array], bead: TrappedBead, free: Sequence[str]
     ) -> Array:
-        """(free, ...): slopes of `of` by the coordinates, from inside where those end."""
+        """Return the derivatives of the function `of` a bead by its coordinates, (free, ...).
+
+        They are central differences, or one-sided at an end of a coordinate.
+        """
         here, slopes = self.coordinates(bead, free), []
         with np.errstate(all="raise", under="ignore"):
             for i, name in enumerate(free):
@@ -236,11 +250,14 @@ class Periodogram:
         return np.array(slopes)
 
     def slopes(self, bead: TrappedBead, free: Sequence[str]) -> Array:
-        """(free, blocks): d ln S by the coordinates."""
+        """Return the derivatives of ln S, S the expected density, by coordinates (free, blocks)."""
         return self.differences(lambda each: np.log(self.expected(each)), bead, free)
 
     def slopes_beside(self, bead: TrappedBead, free: Sequence[str]) -> Array:
-        """(free, evidence): of the misfits."""
+        """Return the derivatives of the misfits of the evidence by the coordinates.
+
+        Their shape is (free, evidence).
+        """
 
         def misfits(each: TrappedBead) -> Array:
             return np.array([one.misfit(each) for one in self.beside])
@@ -272,7 +289,7 @@ class WhittleFit:
 
     @cached_property
     def slopes(self) -> Array:
-        """(free, blocks): d ln S by the coordinates."""
+        """Derivatives of ln S by the coordinates, (free, blocks); S: expected density."""
         return self.periodogram.slopes(self.bead, self.free)
 
     @cached_property
@@ -285,7 +302,7 @@ class WhittleFit:
         return inverse(information)
 
     def per(self, response: float) -> WhittleFit:
-        """The same fit of a signal over a response."""
+        """Return this fit for the signal divided by `response`, V/m or a number."""
         part = self.periodogram
         return WhittleFit(
             dataclasses.replace(
@@ -296,13 +313,17 @@ class WhittleFit:
         )
 
     def uncertainty(self, k: float, drag: float, response: float = 0.0) -> float:
-        """Standard uncertainty of k ln k + drag ln beta + response ln response."""
+        """Return the standard uncertainty of a sum of logarithms of the fitted parameters.
+
+        `k`, `drag` and `response` are the factors of the logarithms of stiffness, drag and
+        response. So (1, -1) gives the relative uncertainty of the corner frequency.
+        """
         weights = {"stiffness": k, "drag": drag, "response": response}
         of_free = np.array([weights.get(name, 0.0) for name in self.free])
         return math.sqrt(of_free @ self.covariance @ of_free)
 
     def _gain(self, name: str) -> float:
-        """Log-likelihood over that of a fit without a part of the detector."""
+        """Return the gain in log-likelihood by a detector parameter, over a fit without it."""
         without: dict[str, float | None] = {name: 0.0}
         if name == "diode_frequency":
             without = {name: None, "diode_fraction": 0.0}
@@ -311,14 +332,14 @@ class WhittleFit:
         return self.log_likelihood - fitted(self.periodogram, bead, free).log_likelihood
 
     def detected(self, name: str) -> Detected:
-        """A fitted parameter of the detector."""
+        """Return a fitted parameter of the detector, with its uncertainty and its limit."""
         coordinate, i = COORDINATES[name], self.free.index(name)
         x, error = coordinate.of(self.bead, self.periodogram), math.sqrt(self.covariance[i, i])
         value = coordinate.to(x, self.periodogram)
         seen = x > _SEEN * error and self._gain(name) > _SEEN**2 / 2
         uncertainty = value * error / (2 * x) if seen and value else None
         highest, end = x + _BOUND * error, _TRIVIAL.get(name, math.inf)
-        if name == "noise":  # there is no more than all there is
+        if name == "noise":  # at most all of the density at the highest frequencies
             highest = min(highest, 1.0)
         limit = coordinate.to(highest, self.periodogram) if highest < end else None
         if name == "diode_frequency" and limit is not None and limit < self.bead.corner_frequency:
@@ -328,21 +349,24 @@ class WhittleFit:
 
 @dataclass(frozen=True)
 class Detected:
-    """A parameter of the detector, fitted."""
+    """Fitted parameter of the detector."""
 
     name: str
     """"exposure" (s), "diode_frequency" (Hz), "diode_fraction" or "noise" (m)"""
     value: float | None
-    """None if the record does not determine it"""
+    """fitted value; None if the record does not determine it"""
     uncertainty: float | None
-    """standard uncertainty; None if not determined"""
+    """standard uncertainty of `value`; None if not determined"""
     limit: float | None
-    """where its effect would be seen with 95 % confidence: the highest, for a frequency the
-    lowest; None without one"""
+    """95 % limit beyond which the effect would be seen: an upper limit, for a frequency a lower
+    limit; None without one"""
 
 
 def inverse(information: Array) -> Array:
-    """Covariance of parameters; one without any information has an uncertainty of 10^6."""
+    """Return the covariance (n, n) of parameters from Fisher's information (n, n) on them.
+
+    A parameter without any information has an uncertainty of 10^6.
+    """
     values, vectors = eigh(information)
     return np.asarray((vectors / np.maximum(values, 1e-12)) @ vectors.T)
 
@@ -350,9 +374,10 @@ def inverse(information: Array) -> Array:
 def fitted(
     periodogram: Periodogram, start: TrappedBead, free: tuple[str, ...], tolerance: float = 1e-4
 ) -> WhittleFit:
-    """The fit of the free parameters, starting at `start`.
+    """Return the maximum-likelihood fit of the parameters `free`, starting at the bead `start`.
 
-    tolerance: of the coordinates; a tenth of it for the log-likelihood.
+    `tolerance` applies to the coordinates, and a tenth of it to the log-likelihood. Stiffness and
+    drag alone are fitted by the simplex method, and other parameters by Fisher's scoring.
     """
     if not set(free) <= set(MOTION) or periodogram.beside:
         return _scored(periodogram, start, free, tolerance)
@@ -372,7 +397,11 @@ def fitted(
 def _scored(
     periodogram: Periodogram, start: TrappedBead, free: tuple[str, ...], tolerance: float
 ) -> WhittleFit:
-    """By Fisher's scoring, damped as by Levenberg and Marquardt, between the coordinates' ends."""
+    """Return the fit of the parameters `free` by Fisher's scoring, starting at `start`.
+
+    Steps are damped as by Levenberg and Marquardt, and stay between the ends of the coordinates.
+    It ends when a step gains less than a tenth of `tolerance` in log-likelihood.
+    """
     low, high = np.array([COORDINATES[name].ends for name in free]).T
     bead, damping = start, _DAMPING[0]
     here, best = periodogram.coordinates(bead, free), periodogram.log_likelihood(bead)
@@ -380,6 +409,7 @@ def _scored(
         ratio = periodogram.density / periodogram.expected(bead) - 1
         slopes = periodogram.slopes(bead, free)
         weighted = slopes * periodogram.counts
+        # gradient of the log-likelihood, and Fisher's information
         upward, information = weighted @ ratio, weighted @ slopes.T
         if periodogram.beside:
             beside = periodogram.slopes_beside(bead, free)
@@ -411,10 +441,11 @@ def _scored(
 def usable(
     periodogram: Periodogram, start: TrappedBead, *, to_the_end: bool = False
 ) -> Periodogram:
-    """The frequencies to fit: where the bead still moves, and leakage, which correlates the
-    ordinates, stays below the noise of their sum.
+    """Return the low-frequency part of a periodogram that a fit starting at `start` should use.
 
-    to_the_end: up to Nyquist's frequency, as far as it is for the motion.
+    It ends at `_RANGE` times the roll-off of the spectrum, above which the bead hardly moves, or at
+    Nyquist's frequency if `to_the_end`. It ends earlier where leakage, which correlates the
+    ordinates, exceeds the noise of their sum.
     """
     sampled = start.sampled_spectrum(periodogram.frequencies, periodogram.step)
     leakage = periodogram.expected(start) / sampled - 1
@@ -427,14 +458,16 @@ def usable(
 
 
 def best_start(periodogram: Periodogram, positions: Array, given: TrappedBead) -> TrappedBead:
-    """The most probable of some beads, as the start of a fit: overdamped, and with a mass
-    underdamped.
+    """Return the most probable of a few beads, at which a fit starts.
 
-    given: the temperature, mass and exposure, and the drag or NaN.
+    They are an overdamped and, with a mass, an underdamped bead. Their stiffness and drag follow
+    from the variance and correlation time of `positions` (n,), m, or the peak of the spectrum.
+    `given` has the temperature, mass and exposure, and the drag, or NaN if it is unknown.
     """
     kT = Boltzmann * given.temperature
     k = float(kT / np.var(positions))
-    # squares decay twice as fast; for an underdamped bead in m/beta
+    # Relaxation time, s. Squares decay twice as fast, but the inefficiency counts both directions
+    # of time; for an underdamped bead it is m/beta.
     memory = periodogram.step * statistical_inefficiency((positions - positions.mean()) ** 2)
     starts = [dataclasses.replace(given, stiffness=k, drag=k * memory)]
     if given.mass is not None:
