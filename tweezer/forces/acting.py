@@ -52,6 +52,7 @@ def forces_of(given: Any) -> tuple[Force, ...]:
 
 
 def _made(function: Any) -> str:
+    """Return how a function is written as a force: "UserForce(NAME)", for a message."""
     name = str(getattr(function, "__name__", type(function).__name__))
     return (
         f"UserForce({name})" if isinstance(function, Dispatcher) else f"UserForce(kernel({name}))"
@@ -75,6 +76,7 @@ def try_forces(forces: Iterable[Force], places: Array, duration: float) -> None:
 
 
 def _try(force: Force, places: Array, duration: float) -> None:
+    """Evaluate one force as `try_forces` does, and raise its `ForceError`."""
     unturned = np.tile([1.0, 0.0, 0.0, 0.0], (len(places), 1))
     several = np.random.default_rng(11).normal(size=unturned.shape)
     several /= np.linalg.norm(several, axis=1, keepdims=True)
@@ -115,17 +117,18 @@ def _try(force: Force, places: Array, duration: float) -> None:
 
 
 def check_numbers(force: Force, found: Wrench) -> None:
-    """Raise `ForceError` for what a force exerts, unless it is finite."""
+    """Raise `ForceError` unless the force, moment and gradients `found` of a force are finite."""
     if not all(np.isfinite(values).all() for values in found[:4]):
         raise ForceError(fault_of(force) or f"{name_of(force)}: the force is not finite")
 
 
 def _alike(one: Array, other: Array) -> bool:
+    """Return whether two arrays of forces are equal within rounding."""
     return bool(np.abs(one - other).max() <= _SAME * max(np.abs(one).max(), np.abs(other).max()))
 
 
 def name_of(force: Force) -> str:
-    """Name of a force in messages."""
+    """Return the name of a force in messages: of its function if it is the user's own."""
     own = next(own_forces(force), None)
     name = type(force).__name__ if own is None else own.function.__name__
     return f"forces: {name}"

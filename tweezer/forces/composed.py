@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Sum(Force):
-    """The sum of several forces."""
+    """Sum of several forces."""
 
     forces: tuple[Force, ...]
 
@@ -92,18 +92,24 @@ class Sum(Force):
 
 
 def _shortest(times: Iterable[float]) -> float:
+    """Return the shortest of some times, s; 0 stands for none and is returned if all are 0."""
     return min(filter(None, times), default=0.0)
 
 
 @cached_njit(error_model="numpy", nogil=True)
 def _add_all(pose, data, wrench):  # type: ignore[no-untyped-def]
+    """Add several forces, as a kernel. Entries of `data`: their number, and each as a `Part`."""
     for each in range(int(number(data, 0))):
         add(part(data, 1 + each), pose, wrench)
 
 
 @cached_njit(error_model="numpy", nogil=True)
 def _number_all(pose, data, wrench):  # type: ignore[no-untyped-def]
-    """The numbers of the parts as the digits of one, which tells eight of them apart."""
+    """Add to `wrench.error` one number of the region in which each bead is, for several forces.
+
+    Its digits in base `_MOST_REGIONS` are the numbers of the regions of the forces; a float holds
+    eight of them. Entries of `data`: number of forces, and for each what numbers its regions.
+    """
     n, none = len(pose.time), np.zeros((0, 3, 3))
     found = Wrench(np.zeros((n, 3)), np.zeros((n, 3)), none, none, np.zeros(n))
     digit = 1.0
@@ -116,7 +122,7 @@ def _number_all(pose, data, wrench):  # type: ignore[no-untyped-def]
 
 
 def read_argument(name: str, read: Callable[..., Any], *arguments: Any) -> Any:
-    """What `read` makes of the arguments; its `ValueError` names them."""
+    """Return `read(*arguments)`; a `ValueError` that it raises gets the name of the argument."""
     try:
         return read(*arguments)
     except ValueError as refused:
@@ -135,13 +141,13 @@ class Course:
     times: Array
     """(n,) s, ascending"""
     values: Array
-    """(n, m)"""
+    """(n, m) at these times, in SI units"""
     amplitude: Array
     """(m,) of the sine"""
     frequency: float = 0.0
     """1/s"""
     phase: float = 0.0
-    """rad"""
+    """of the sine at t = 0, rad"""
     period: float = math.inf
     """s, of the points"""
 
@@ -181,7 +187,7 @@ class Course:
 
     @classmethod
     def constant(cls, *values: QuantityLike) -> Course:
-        """A course that never changes."""
+        """Return a course that never changes; values: its m numbers."""
         return cls(np.zeros(1), [list(values)], np.zeros(len(values)))  # type: ignore[arg-type]
 
     @property
@@ -211,7 +217,7 @@ class Course:
         return _shortest((between, swing))
 
     def farthest(self, end: float) -> float:
-        """Bound on its distance from zero up to a time, s."""
+        """Return a bound on the size of the vector up to the time `end`, s."""
         last = [np.interp(end, self.times, column) for column in self.values.T]
         reached = np.vstack([self.values[self.times < end], last])
         largest = np.linalg.norm(reached, axis=1).max()
@@ -224,7 +230,7 @@ class Course:
         return out
 
     def _entries(self) -> tuple[float | Array, ...]:
-        """The entries of a force's data that `_course_at` reads."""
+        """Return the course as the `_ENTRIES` entries of a force's data that `_course_at` reads."""
         return (
             self.times, self.values, self.amplitude,
             np.array([self.frequency, self.phase, self.period]),
@@ -243,7 +249,10 @@ _ENTRIES = 4
 
 @cached_njit(error_model="numpy", nogil=True)
 def _course_at(data, first, time, out):  # type: ignore[no-untyped-def]
-    """Fill `out` (m,) with the `Course` in the entries from `first` on."""
+    """Fill `out` (m,) with the value of a `Course` at a time, s.
+
+    data: of a force, with the course in its entries from number `first` on.
+    """
     times, values = vector(data, first), matrix(data, first + 1)
     amplitude, wave = vector(data, first + 2), vector(data, first + 3)
     frequency, phase, period = wave[0], wave[1], wave[2]
@@ -266,7 +275,7 @@ def _course_at(data, first, time, out):  # type: ignore[no-untyped-def]
 
 @dataclass(frozen=True)
 class Moved(Force):
-    """A force about another place and of another strength, both in time; also upside down."""
+    """A force whose origin and strength are functions of time; it may also be upside down."""
 
     force: Force
     place: Course
@@ -291,7 +300,7 @@ class Moved(Force):
         return (self.force,)
 
     def within(self, positions: Array, time: float) -> Array:
-        """Positions (n, 3) m at a time, s, as the force without motion has them."""
+        """Return positions (n, 3) m at a time, s, in the frame of the force that is moved."""
         turn = np.array([1.0, -1.0, -1.0]) if self.down else np.ones(3)
         return turn * (positions - self.place.at(time))
 
@@ -332,6 +341,11 @@ class Moved(Force):
 
 @cached_njit(error_model="numpy", nogil=True)
 def _number_moved(pose, data, wrench):  # type: ignore[no-untyped-def]
+    """Add to `wrench.error` the numbers of the regions of a moved force, as a kernel.
+
+    Entries of `data`: what numbers the regions of the force at rest (`Part`), 1 if it is upside
+    down, and the course of its origin.
+    """
     sign = -1.0 if number(data, 1) > 0.0 else 1.0
     here, place = Pose(pose.time, np.empty_like(pose.position), pose.orientation), np.empty(3)
     for i in range(len(pose.time)):
@@ -344,6 +358,11 @@ def _number_moved(pose, data, wrench):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def _add_moved(pose, data, wrench):  # type: ignore[no-untyped-def]
+    """Add a moved force, as a kernel.
+
+    Entries of `data`: the force at rest (`Part`), 1 if it is upside down, the course of its origin
+    and the course of its strength.
+    """
     force, down = part(data, 0), number(data, 1) > 0.0
     n, gradients = len(pose.time), len(wrench.force_gradient)
     here = Pose(pose.time, np.empty((n, 3)), pose.orientation.copy())
@@ -354,7 +373,8 @@ def _add_moved(pose, data, wrench):  # type: ignore[no-untyped-def]
     sign = np.ones(3)
     if down:
         sign[1] = sign[2] = -1.0
-        for i in range(len(here.orientation)):  # the product (0, 1, 0, 0) e
+        # the product (0, 1, 0, 0) e of Euler parameters: half a turn about x
+        for i in range(len(here.orientation)):
             e = pose.orientation[i]
             here.orientation[i, 0], here.orientation[i, 1] = -e[1], e[0]
             here.orientation[i, 2], here.orientation[i, 3] = -e[3], e[2]
@@ -414,6 +434,10 @@ class Differenced(Force):
 
 @cached_njit(error_model="numpy", nogil=True)
 def _add_differences(pose, data, wrench):  # type: ignore[no-untyped-def]
+    """Add a force, and gradients by central differences of it, as a kernel.
+
+    Entries of `data`: the force (`Part`), and the step of the differences, m.
+    """
     force, step = part(data, 0), number(data, 1)
     n, none = len(pose.time), np.zeros((0, 3, 3))
     add(force, pose, Wrench(wrench.force, wrench.moment, none, none, wrench.error))

@@ -36,12 +36,13 @@ class Part(NamedTuple):
     """A force as part of another one, or as a compiled loop takes it."""
 
     kernel: int
-    """address"""
+    """address of the compiled kernel"""
     data: Data
+    """of the kernel"""
 
 
 def packed(*entries: Any) -> Data:
-    """The data of a force from its entries: numbers, arrays (real or int32), and `Part`s."""
+    """Return the data of a force from its entries: numbers, arrays (real or int32) and `Part`s."""
     flat: list[Array] = []
     own = np.zeros((len(entries), COLUMNS), np.int64)
     rows, begin = [own], 0
@@ -70,7 +71,10 @@ def packed(*entries: Any) -> Data:
 
 
 def renumbered(data: Data, numbers: dict[int, float]) -> Data:
-    """The same data with other values of entries that are one number."""
+    """Return a copy of data with other values of single numbers.
+
+    numbers: new value by the number of the entry, which must be one number.
+    """
     changed = _by_lines(data.numbers.size)
     changed[:] = data.numbers
     for entry, value in numbers.items():
@@ -79,7 +83,7 @@ def renumbered(data: Data, numbers: dict[int, float]) -> Data:
 
 
 def _by_lines(size: int) -> Array:
-    """Memory for so many numbers, from the begin of a line of the processor's cache on."""
+    """Return an array of `size` numbers that begins with a line of the processor's cache."""
     memory = np.empty(size + _LINE)
     first = -(memory.ctypes.data // memory.itemsize) % _LINE
     return memory[first : first + size]
@@ -87,33 +91,33 @@ def _by_lines(size: int) -> Array:
 
 @named_njit(error_model="numpy")
 def begin_of(data, entry):  # type: ignore[no-untyped-def]
-    """Where an array begins in `data.numbers`."""
+    """Return the index in `data.numbers` at which the array of an entry begins."""
     return data.shapes[entry, 0]
 
 
 @named_njit(error_model="numpy")
 def number(data, entry):  # type: ignore[no-untyped-def]
-    """Read an entry that is one number."""
+    """Return an entry of a force's data that is one number; entry: its number, from 0."""
     return data.numbers[data.shapes[entry, 0]]
 
 
 @named_njit(error_model="numpy")
 def vector(data, entry):  # type: ignore[no-untyped-def]
-    """Read an array of one axis."""
+    """Return an entry of a force's data that is an array of one axis."""
     begin = data.shapes[entry, 0]
     return data.numbers[begin : begin + data.shapes[entry, 1]]
 
 
 @named_njit(error_model="numpy")
 def matrix(data, entry):  # type: ignore[no-untyped-def]
-    """Read an array of two axes."""
+    """Return an entry of a force's data that is an array of two axes."""
     begin, n, m = data.shapes[entry, 0], data.shapes[entry, 1], data.shapes[entry, 2]
     return data.numbers[begin : begin + n * m].reshape((n, m))
 
 
 @named_njit(error_model="numpy")
 def tensor(data, entry):  # type: ignore[no-untyped-def]
-    """Read an array of three axes."""
+    """Return an entry of a force's data that is an array of three axes."""
     begin, n, m = data.shapes[entry, 0], data.shapes[entry, 1], data.shapes[entry, 2]
     many = data.shapes[entry, 3]
     return data.numbers[begin : begin + n * m * many].reshape((n, m, many))
@@ -121,7 +125,7 @@ def tensor(data, entry):  # type: ignore[no-untyped-def]
 
 @named_njit(error_model="numpy")
 def tensor_of_four(data, entry):  # type: ignore[no-untyped-def]
-    """Read an array of four axes."""
+    """Return an entry of a force's data that is an array of four axes."""
     begin, n, m = data.shapes[entry, 0], data.shapes[entry, 1], data.shapes[entry, 2]
     k, l = data.shapes[entry, 3], data.shapes[entry, 4]
     return data.numbers[begin : begin + n * m * k * l].reshape((n, m, k, l))
@@ -129,14 +133,17 @@ def tensor_of_four(data, entry):  # type: ignore[no-untyped-def]
 
 @named_njit(error_model="numpy")
 def integers(data, entry):  # type: ignore[no-untyped-def]
-    """Read an array of one axis of 32-bit integers."""
+    """Return an entry of a force's data that is an array of 32-bit integers, of one axis.
+
+    Two of them are stored in the memory of one number.
+    """
     begin, n = data.shapes[entry, 0], data.shapes[entry, 1]
     return data.numbers[begin : begin + (n + 1) // 2].view(np.int32)[:n]
 
 
 @named_njit(error_model="numpy")
 def part(data, entry):  # type: ignore[no-untyped-def]
-    """Read an entry that is another force."""
+    """Return an entry of a force's data that is another force, as a `Part`."""
     begin, n = data.shapes[entry, 0], data.shapes[entry, 1]
     first, rows = data.shapes[entry, 2], data.shapes[entry, 3]
     within = Data(data.numbers[begin : begin + n], data.shapes[first : first + rows])

@@ -15,6 +15,7 @@ _matrix, _tensor = unchecked.matrix, unchecked.tensor
 
 @named_njit(error_model="numpy")
 def _check(data, entry, axes):  # type: ignore[no-untyped-def]
+    """Raise `IndexError` unless a force's data have this entry, as an array of `axes` axes."""
     if entry < 0 or entry >= len(data.shapes):
         raise IndexError("the force has no entry of this number; entries are counted from 0")
     if data.shapes[entry, 6] != axes:

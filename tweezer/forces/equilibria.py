@@ -15,26 +15,27 @@ from tweezer.values.bracketing import zero
 from tweezer.values.vectors import Comparable, Vector, fixed
 
 Array = NDArray[np.float64]
-#: force, N, at points (n, 3) m; and its component along a line, N, at distances (n,) m on it
+#: function of points (n, 3) m: all forces but drag, (n, 3) N
 NetForce = Callable[[Array], Array]
-#: force without drag and weight at points (n, 3) m, with `gradient=True` its gradients too
+#: function of points (n, 3) m: forces without drag and weight, with `gradient=True` gradients too
 Field = Callable[..., Wrench]
 #: function of a position (3,), m, and the stiffness there (3, 3), N/m: the rate at which a bead
 #: spirals out of an equilibrium, 1/s; 0 if it comes to rest
 SpiralRate = Callable[[Array, Array], float]
+#: function of distances (n,) m on a line: component of the force along it, (n,) N
 Component = Callable[[Array], Array]
 
-#: to how much a zero is located, in radii
+#: Error to which a zero is located, in radii of the bead
 _ZERO = 1e-14
-#: Pull where there is one by definition, N
+#: Smallest pull at the start of an interval, N: it is positive there but for rounding
 _PULLING = 1e-300
-#: growth of the distance of samples with the distance, where they are not even
+#: Spacing of samples where they are not even, as a part of their distance from the origin
 _GROWTH = 0.02
-#: distances of samples from where it is sought that an equilibrium off the axis may be
+#: Largest distance of an equilibrium off the axis from the start of its search, in spacings
 _NEAR = 150.0
-#: distances of samples between two places that are two equilibria
+#: Smallest distance between two equilibria, in spacings
 _SAME = 0.05
-#: part of the force beside it that may be left at an equilibrium off the axis
+#: Largest force at an equilibrium off the axis, as a part of the force beside it
 _VANISHED = 1e-7
 
 FOCUS = fixed((0.0, 0.0, 0.0))
@@ -50,15 +51,16 @@ class Search(NamedTuple):
     """Lengths by which a force is searched for its zeros and its largest values, m."""
 
     near: float
-    """how far lines are sampled evenly"""
+    """distance from the origin up to which lines are sampled evenly"""
     spacing: float
-    """distance of samples there"""
+    """distance between samples there"""
     beside: float
     """distance from an equilibrium at which the force must pull back"""
     reach: float
-    """how far lines are searched: beyond `near` the distance of samples grows with the distance"""
+    """distance up to which lines are searched; beyond `near` the spacing of samples grows with the
+    distance"""
     coarsest: float = math.inf
-    """largest distance of samples"""
+    """largest distance between samples"""
     besides: tuple[float, ...] = ()
     """z, m from the origin, of more samples on lines along z: next to walls, say"""
     farthest: float = 0.0
@@ -88,11 +90,11 @@ class Search(NamedTuple):
         return min(self.reach, math.sqrt(max(left + ahead**2, 0.0)) - ahead)
 
     def line(self) -> Array:
-        """Samples from 0 to the reach, m."""
+        """Return the samples of a line from 0 to the reach, (n,) m."""
         return self.edges(self.reach)
 
     def whole_line(self) -> Array:
-        """Samples on both sides of 0, m."""
+        """Return the samples of a line on both sides of 0, up to the reach, (n,) m."""
         ahead = self.line()
         return np.concatenate([-ahead[:0:-1], ahead])
 
@@ -135,7 +137,7 @@ class Equilibrium(Comparable):
 
 
 def nearest_stable(every: Iterable[Equilibrium]) -> Equilibrium | None:
-    """The stable one nearest the focus."""
+    """Return the stable equilibrium nearest the focus; None if none is stable."""
     stable = (place for place in every if place.stable)
     return min(stable, key=lambda place: math.hypot(*place.position), default=None)
 
@@ -143,9 +145,11 @@ def nearest_stable(every: Iterable[Equilibrium]) -> Equilibrium | None:
 def equilibria(
     radius: float, search: Search, field: Field, net_force: NetForce, spiral_rate: SpiralRate
 ) -> Iterator[Equilibrium]:
-    """Every change of sign of the net force along the axis, within the reach of the search.
+    """Yield the equilibria on the axis: positions where the net force changes its sign.
 
-    radius: of the bead, m. field: whose gradient is the stiffness.
+    radius: of the bead, m. search: lengths of the search. field: force whose gradient is the
+    stiffness. net_force: sum of all forces but drag. spiral_rate: rate of a growing spiral about a
+    position, see `SpiralRate`.
     """
     for z in _zeros_on_axis(FOCUS, radius, search, net_force):
         yield equilibrium_at(np.array([0.0, 0.0, z]), search, field, net_force, spiral_rate)
@@ -159,7 +163,7 @@ def equilibria_about(
     net_force: NetForce,
     spiral_rate: SpiralRate,
 ) -> Iterator[Equilibrium]:
-    """Places near the axis of each focus, (n, 3) m, where the net force vanishes.
+    """Yield the equilibria near the axes of several foci, (n, 3) m; arguments as of `equilibria`.
 
     They are sought by Newton's method (`scipy.optimize.root`) from the focus and from every change
     of sign of the axial force on its axis, which is searched up to the other foci at least.
@@ -181,7 +185,10 @@ def equilibria_about(
 def _zeros_on_axis(
     focus: Array, radius: float, search: Search, net_force: NetForce
 ) -> Iterator[float]:
-    """Changes of sign of the axial force along the axis through a focus, m from there."""
+    """Yield where the axial force changes its sign on the axis through a focus, m from there.
+
+    radius: of the bead, m.
+    """
     axial = along(net_force, focus, "+z")
     z = np.union1d(search.whole_line(), np.array(search.besides) - focus[2])
     sign = np.sign(axial(z))
@@ -194,8 +201,9 @@ def _zeros_on_axis(
 
 
 def _far_changes(axial: Component, search: Search) -> Iterator[tuple[float, float, float]]:
-    """Where the light ceases to carry the weight, beyond the reach: ends of an interval, m, and the
-    sign of the axial force at the lower one.
+    """Yield intervals beyond the reach in which the light ceases to carry the weight of the bead.
+
+    Each is given by its ends, m, and the sign of the axial force at the lower one.
 
     Far from the focus light fades and weight is left. So the force on an axis that light still
     decides at the reach changes its sign beyond, up to where a bead is lost at most.
@@ -216,7 +224,10 @@ def _far_changes(axial: Component, search: Search) -> Iterator[tuple[float, floa
 def _vanishing(
     start: Array, radius: float, search: Search, field: Field, net_force: NetForce
 ) -> Array | None:
-    """The place near `start` where the net force vanishes; None if there is none."""
+    """Return the position near `start` (3,), m, where the net force vanishes; None if none does.
+
+    radius: of the bead, m, the unit of length of Newton's method.
+    """
     from scipy.optimize import root
 
     size = float(np.linalg.norm(net_force(start + radius * np.eye(3)), axis=1).max())
@@ -241,7 +252,7 @@ def _vanishing(
 
 
 class AstrayError(Exception):
-    """Newton's method has left the places among which it seeks."""
+    """Newton's method has left the region in which it searches."""
 
 
 def equilibrium_at(
@@ -283,7 +294,10 @@ def equilibrium_at(
 
 
 def along(force: NetForce, origin: Array, direction: str) -> Component:
-    """Component along `direction` of the force, at distances (m) from `origin` along it."""
+    """Return the component of a force along a line, as a function of the distance on it, m.
+
+    origin: (3,) m, where the line begins. direction: its name in `DIRECTIONS`, "+x" say.
+    """
     start, unit = origin, np.array(DIRECTIONS[direction])
 
     def component(distances: Array) -> Array:
@@ -293,12 +307,15 @@ def along(force: NetForce, origin: Array, direction: str) -> Component:
 
 
 def opposite(component: Component) -> Component:
-    """Of the other sign."""
+    """Return the component of a force with the other sign."""
     return lambda distances: -component(distances)
 
 
 def end_of_pull(pull: Component, start: float, stop: float, tolerance: float) -> float:
-    """Where `pull` ceases to be positive, between `start`, from which on it is, and `stop`."""
+    """Return the distance between `start` and `stop` at which `pull` ceases to be positive, m.
+
+    It is positive from `start` on, but for rounding. tolerance: of the distance, m.
+    """
 
     def pulls(distance: float) -> float:
         value = float(pull(np.array([distance]))[0])

@@ -77,15 +77,16 @@ class Force(ABC):
         return float(np.diff(kinks, prepend=0.0).min()) if len(kinks) else 0.0
 
     def regions(self) -> tuple[Kernel, Data] | None:
-        """What numbers the regions in each of which it is smooth in the place; None if it is one.
+        """Return a kernel that numbers the regions of space in each of which the force is smooth.
 
-        A kernel that adds the number of the region of a pose to `wrench.error`, and its data.
+        It adds the number of the region of a pose to `wrench.error`. Its data are returned too.
+        None if the force is smooth everywhere. Integrators find when a bead leaves its region.
         """
         return None
 
     @abstractmethod
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
-        """Its kernel and data. The kernel adds gradients only with `gradient`."""
+        """Return the kernel of the force, and its data; it adds gradients only with `gradient`."""
 
     def field(
         self,
@@ -95,10 +96,11 @@ class Force(ABC):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """Force and moment at `positions` (n, 3) m from the focus; with `gradient` their gradients.
+        """Return force and moment at `positions` (n, 3) m from the focus.
 
-        time: s, one or (n,). orientations: (n, 4) Euler parameters, for a force that depends on
-        them; (1, 0, 0, 0) if not given. What the force does not exert is zero.
+        gradient: return their gradients too. time: s, one or (n,). orientations: (n, 4) Euler
+        parameters, for a force that depends on them; (1, 0, 0, 0) if not given. The moment of a
+        force without one is zero.
         """
         if self.oriented and orientations is None:
             orientations = np.tile([1.0, 0.0, 0.0, 0.0], (len(positions), 1))
@@ -110,12 +112,12 @@ class Force(ABC):
         field: Wrench,
         time: float | Array = 0.0,  # noqa: ARG002
     ) -> Array:
-        """Error of `field.force`, (n,) N, where `field` is this force at `positions` and `time`."""
+        """Return the error of `field.force`, (n,) N; `field`: this force at `positions`, `time`."""
         return field.error
 
 
 def no_wrench(n: int, *, gradient: bool) -> Wrench:
-    """Zeros for n beads, for a kernel to add to."""
+    """Return a wrench of zeros for n beads, for a kernel to add to; gradient: with gradients."""
     gradients = n if gradient else 0
     shapes = (n, 3), (n, 3), (gradients, 3, 3), (gradients, 3, 3), (n,)
     wrench = Wrench(*(np.empty(shape) for shape in shapes))
@@ -131,7 +133,11 @@ def evaluated(
     time: float | Array = 0.0,
     orientations: Array | None = None,
 ) -> Wrench:
-    """Force and moment of a bound force at `positions` (n, 3) m; time: s, one or (n,)."""
+    """Return force and moment of a bound force at `positions` (n, 3) m.
+
+    part: address of the kernel, and data. gradient: compute gradients too, for which it must be
+    bound. time: s, one or (n,). orientations: (n, 4) Euler parameters, or None.
+    """
     places = _in_memory(positions)
     turned = _NOT_TURNED if orientations is None else _in_memory(orientations)
     times = np.full(len(places), time, np.float64)
@@ -144,7 +150,7 @@ _NOT_TURNED = np.zeros((0, 4))
 
 
 def _in_memory(values: Array) -> Array:
-    """The values as compiled code reads memory: float64, C-contiguous, and it may be written."""
+    """Return the values as compiled code requires them: float64, C-contiguous and writable."""
     if values.dtype == np.float64 and values.flags.carray:
         return values  # `np.require` takes as long as a force
     return np.require(values, np.float64, ["C", "W"])
@@ -152,7 +158,11 @@ def _in_memory(values: Array) -> Array:
 
 @functools.cache
 def _entry() -> Any:
-    """Compiled entry from Python. It takes single arrays, as tuples of arrays cost more to pass."""
+    """Return the compiled function by which Python calls a kernel.
+
+    Its arguments are the address of the kernel and the arrays of its data, pose and wrench one by
+    one, as tuples of arrays take longer to pass from Python.
+    """
 
     @cached_njit(types.void(types.int64, *DATA, *POSE, *WRENCH), nogil=True)
     def enter(  # type: ignore[no-untyped-def]
@@ -167,26 +177,29 @@ def _entry() -> Any:
 
 
 def bound(force: Force, *, gradient: bool) -> Part:
-    """A force as compiled loops take it: address of its kernel, and data."""
+    """Return a force as compiled loops take it: address of its kernel, and data."""
     kernel, data = force.compiled(gradient=gradient)
     return Part(address(kernel, KERNEL), data)
 
 
 def numbered(force: Force) -> Part | None:
-    """What numbers the regions of a force, as compiled loops take it."""
+    """Return what numbers the regions of a force, as compiled loops take it; None without any.
+
+    See `Force.regions`.
+    """
     found = force.regions()
     return None if found is None else Part(address(found[0], KERNEL), found[1])
 
 
 @named_njit(inner=True, error_model="numpy")
 def add(part, pose, wrench):  # type: ignore[no-untyped-def]
-    """Add a force to `wrench`."""
+    """Add a bound force (`Part`) at a `Pose` to a `Wrench`."""
     call(part.kernel, (pose, part.data, wrench))
 
 
 @named_njit(inner=True, error_model="numpy")
 def clear(wrench):  # type: ignore[no-untyped-def]
-    """Set everything to zero."""
+    """Set all numbers of a `Wrench` to zero."""
     for i in range(len(wrench.error)):
         wrench.error[i] = 0.0
         for k in range(3):

@@ -14,7 +14,8 @@ from tweezer.forces.force import Force
 from tweezer.values.errors import SceneError
 from tweezer.values.files import check_regular
 
-#: Where forces that were read came from, by their identity; they live as long as the process
+#: File, name and digest of forces that were read, by `id`; they live as long as the process, so
+#: that no `id` is used again
 _ORIGINS: dict[int, str] = {}
 
 
@@ -50,6 +51,11 @@ def named_force(text: str) -> Any:
 
 @functools.cache
 def _run(path: Path, digest: str, text: str) -> Any:
+    """Run a Python file of forces as a module, once for each content, and return the module.
+
+    digest: of the content. text: names the force in messages. Raises `SceneError` if the file
+    raises an exception.
+    """
     name = f"tweezer_force_{digest}"
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None

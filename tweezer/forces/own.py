@@ -33,14 +33,15 @@ Array = NDArray[np.float64]
 
 #: Beads for which a function is called at once
 _AT_ONCE = 64
-#: Numbers of their wrench, with gradients
+#: Numbers of the wrench of so many beads, with gradients
 _OF_WRENCHES = 25 * _AT_ONCE
 #: Bytes of a number
 _BYTES = 8
-#: What is wrong with a wrench
+#: What is wrong with a row of a wrench: the function raised, it is not finite, its error is
+#: negative or not finite
 _RAISED, _NOT_FINITE, _WRONG_ERROR = 1.0, 2.0, 3.0
-#: Numbers of a `UserForce._met`: what was wrong last, the pose there, whether it has an orientation
-#: and whether gradients were computed
+#: Numbers of `UserForce._met`: what was wrong last, time, position (3) and orientation (4) there,
+#: whether the pose had an orientation, and whether gradients were computed
 _OF_MET = 11
 #: Largest number of axes of an entry
 _MOST_AXES = 3
@@ -119,11 +120,15 @@ class UserForce(Force):
 
     @functools.cached_property
     def _data(self) -> Data:
+        """The entries of the force, as the function reads them."""
         return packed(*self.entries)
 
     @functools.cached_property
     def _met(self) -> Array:
-        """Last error in compiled code; all 0 without an error."""
+        """What went wrong last in compiled code, which writes it here; all 0 if nothing did.
+
+        See `_OF_MET` for the numbers.
+        """
         return np.zeros(_OF_MET)
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
@@ -137,7 +142,7 @@ class UserForce(Force):
         return _add_guarded, packed(function, float(self._met.ctypes.data))
 
     def __getstate__(self) -> dict[str, Any]:
-        """Without what belongs to this process."""
+        """Return the fields to pickle: without `_met`, an address of which this process keeps."""
         return {name: value for name, value in vars(self).items() if name != "_met"}
 
     def fault(self) -> str:
@@ -154,7 +159,7 @@ class UserForce(Force):
 
 
 def own_forces(force: Force) -> Iterator[UserForce]:
-    """The forces of the user's own that a force is made of."""
+    """Yield the forces of the user's own among a force and all its parts."""
     if isinstance(force, UserForce):
         yield force
     for each in force.parts:
@@ -178,7 +183,10 @@ def fault_of(force: Force, since: float = 0.0) -> str:
 
 @functools.cache
 def _address(function: Kernel) -> int:
-    """Address of a function compiled with checks; raises `ForceError` if it cannot be."""
+    """Return the address of a function compiled with checks.
+
+    Raises `ForceError` if it cannot be compiled.
+    """
     compiled = trial.checked(function)
     try:
         return native_address(compiled, SIGNATURE)
@@ -188,10 +196,11 @@ def _address(function: Kernel) -> int:
 
 @cached_njit(error_model="numpy", nogil=True)
 def _add_guarded(pose, data, wrench):  # type: ignore[no-untyped-def]
-    """Add what a function of the user's adds; NaN where it fails.
+    """Add what a function of the user's adds, as a kernel; NaN on the beads for which it fails.
 
-    It is called with a wrench of its own, for some beads at a time, or for one bead after an
-    exception.
+    Entries of `data`: the function and its data (`Part`), the address of `UserForce._met`. The
+    function gets a wrench of its own, with zeros, for up to `_AT_ONCE` beads at a time; after an
+    exception for one bead at a time, to find the one at fault.
     """
     pose, data, wrench = borrowed(pose), borrowed(data), borrowed(wrench)
     function = part(data, 0)
@@ -203,6 +212,7 @@ def _add_guarded(pose, data, wrench):  # type: ignore[no-untyped-def]
     while begin < n:
         m = min(most, n - begin)
         g = m if gradients > 0 else 0
+        # force, moment, error, gradients of force and moment, one after the other in `memory`
         of_error, of_gradient, used = 6 * m, 7 * m, 7 * m + 18 * g
         for i in range(used):
             memory[i] = 0.0
@@ -239,7 +249,10 @@ def _add_guarded(pose, data, wrench):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", fastmath={"reassoc"})
 def _sum_of_zeros(memory, n):  # type: ignore[no-untyped-def]
-    """0 if the first n numbers are finite, else NaN; the sum is in any order, which is faster."""
+    """Return 0 if the first n numbers of `memory` are finite, else NaN.
+
+    0 times infinity or NaN is NaN. The sum may be in any order, which is faster.
+    """
     total = 0.0
     for i in range(n):
         total += 0.0 * memory[i]
@@ -248,6 +261,7 @@ def _sum_of_zeros(memory, n):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _add_gradients(found, begin, wrench):  # type: ignore[no-untyped-def]
+    """Add the gradients of a wrench `found` of some beads to those of `wrench` from row `begin`."""
     for i in range(len(found.error)):
         for k in range(3):
             for l in range(3):
@@ -257,11 +271,15 @@ def _add_gradients(found, begin, wrench):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _mark(data, pose, begin, found, raised):  # type: ignore[no-untyped-def]
-    """Make the rows of a wrench NaN that are wrong, and note the last of them."""
+    """Set the wrong rows of the wrench `found` to NaN, and note the last of them in `_met`.
+
+    data: of `_add_guarded`. pose: of all beads; begin: the first bead of `found`. raised: whether
+    the function raised an exception, so that all rows are wrong.
+    """
     met = array_at(int(number(data, 1)), (_OF_MET,))
     gradient, turned = len(found.force_gradient) > 0, len(pose.orientation) > 0
     for i in range(len(found.error)):
-        total = 0.0
+        total = 0.0  # NaN if a number of the row is not finite
         for k in range(3):
             total += 0.0 * found.force[i, k] + 0.0 * found.moment[i, k]
             for l in range(3 if gradient else 0):

@@ -52,7 +52,7 @@ class Box(NamedTuple):
     """distance from the focus up to which the force is known"""
 
     def nodes(self) -> tuple[Array, Array]:
-        """rho and z of samples, (heights, distances) m."""
+        """Return rho and z of samples in the box, m: two arrays (heights, distances)."""
         count = 2 * math.ceil(self.reach / self.depth * _ALONG) + 1
         z = np.linspace(-self.reach, self.reach, count)[:, None]
         rho = np.linspace(0.0, 1.0, _ACROSS + 1)[1:] * (self.width + np.abs(z) * self.spread)
@@ -176,7 +176,11 @@ def off_axis(radius: float, box: Box, force: Force, net_force: NetForce) -> Iter
 
 
 def _starts(box: Box, net_force: NetForce, to_side: Array) -> Iterator[Array]:
-    """Middles (rho, z), m, of the cells of samples in which both forces change their sign."""
+    """Yield the middles (rho, z), m, of cells of samples in which both forces change their sign.
+
+    The forces are those across and along the axis, in the half plane through the axis along the
+    unit vector `to_side`, (2,).
+    """
     rho, z = box.nodes()
     places = np.stack([rho * to_side[0], rho * to_side[1], z], axis=-1)
     force = net_force(places.reshape(-1, 3)).reshape(places.shape)

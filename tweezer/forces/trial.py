@@ -33,9 +33,9 @@ Array = NDArray[np.float64]
 
 #: Attributes that read or write memory without a check of the index once compiled
 _UNCHECKED = ("flat", "as_strided", "carray", "farray")
-#: What a wrench is filled with before a trial, over the largest number that the function adds
+#: Numbers that fill a wrench before a trial, in units of the largest number that the function adds
 _FILLED = 1e4
-#: Smallest relative change of this that shows a function that sets instead of adding
+#: Smallest relative change of these numbers by a function that sets the wrench instead of adding
 _ADDED = 1e-2
 #: Relative difference by which the force on a bead may depend on the other beads
 _SAME = 1e-9
@@ -103,9 +103,11 @@ def plain(function: Any) -> Any:
 
 
 class _Copies:
-    """Copies of functions that refer to others: to `replace(each, self)` of compiled functions.
+    """Maker of copies of functions, in which the functions that they call are replaced.
 
-    also: more that is replaced, and by what.
+    `replace(each, self)` returns the replacement of a function `each` that is compiled by Numba;
+    `also` maps further objects, such as functions of `math`, to theirs. The globals, closures and
+    modules of the originals remain as they are.
     """
 
     def __init__(
@@ -137,6 +139,11 @@ class _Copies:
         return copy
 
     def _replaced(self, value: Any, names: set[str]) -> Any:
+        """Return the replacement of a global or a cell, or the value itself if it has none.
+
+        names: all names that the function uses, among them attributes of modules. A module with
+        compiled functions among these is replaced by a copy.
+        """
         if isinstance(value, Dispatcher):
             if value not in self._made:
                 self._made[value] = self._replace(value, self)
@@ -156,7 +163,7 @@ class _Copies:
 
 
 def _names(code: CodeType) -> Iterator[str]:
-    """Global names and attributes of a function and of the functions within it."""
+    """Yield the global names and attributes that a function and the functions within it use."""
     yield from code.co_names
     for each in code.co_consts:
         if isinstance(each, CodeType):
@@ -164,11 +171,16 @@ def _names(code: CodeType) -> Iterator[str]:
 
 
 def _is_library(function: Any) -> bool:
+    """Return whether a function belongs to tweezer, Numba or NumPy, and not to the user."""
     return str(function.__module__).partition(".")[0] in _LIBRARIES
 
 
 def _read(name: str, read: Any, axes: int, data: Data, entry: Any) -> Any:
-    """Return the value that a reader of entries returns; raises `_MisreadError`."""
+    """Return an entry of a force's data, in plain Python; raise `_MisreadError` for a wrong one.
+
+    name: of the reader, for messages. read: its function. axes: number of axes of the entries that
+    it reads. entry: what the user's function gives as the number of the entry.
+    """
     many = len(data.shapes)
     if isinstance(entry, bool) or not isinstance(entry, int | np.integer):
         raise _MisreadError(f"{name}(data, {entry!r}): the number of an entry is a whole number")
@@ -283,6 +295,10 @@ def alike(one: Array, other: Array) -> bool:
 
 
 def _is_set(before: Wrench, now: Wrench) -> bool:
+    """Return whether a function has set a filled wrench instead of adding to it.
+
+    The wrench was filled with numbers that are large beside what the function adds.
+    """
     return any(
         (np.abs(values - first) > _ADDED * np.abs(first)).any()
         for values, first in zip(now, before, strict=True)
@@ -290,6 +306,7 @@ def _is_set(before: Wrench, now: Wrench) -> bool:
 
 
 def _some_pose(n: int, *, turns: bool) -> Pose:
+    """Return n beads at random within about 0.1 um; with `turns` also at random orientations."""
     rng = np.random.default_rng(n)
     orientation = rng.normal(size=(n if turns else 0, 4))
     orientation /= np.linalg.norm(orientation, axis=1, keepdims=True)
@@ -308,6 +325,7 @@ def _run(
     `before_line` is called with the number of each line of the function, before the line is run.
     Raises `_EndlessError` after `_MOST_LINES`, counted in the function and its helpers.
     """
+    # `sys.settrace` calls `tracing` for each function, and what that returns for each of its lines
     shut = Pose(*(_shut(each) for each in pose)), Data(*(_shut(each) for each in data))
     code, before, left = function.py_func.__code__, sys.gettrace(), _MOST_LINES
 
@@ -349,13 +367,14 @@ def _has_empty_loop(code: CodeType) -> bool:
 
 
 def _shut(values: Any) -> Any:
+    """Return a read-only view of an array."""
     values = values.view()
     values.flags.writeable = False
     return values
 
 
 def _of_shapes(error: Exception) -> bool:
-    """Return whether arrays that do not fit, or that are read-only, raised an error."""
+    """Return whether an error comes from arrays of wrong shapes, or that are read-only."""
     said = str(error)
     return isinstance(error, ValueError) and any(
         each in said for each in ("broadcast", "read-only", "unpack", "shape")
@@ -414,7 +433,7 @@ def _first_line(
 
 
 def _place(function: Any, line: int) -> str:
-    """Name of a function, with a line of it."""
+    """Return the name of a function with the number and text of a line, for messages."""
     source = linecache.getline(function.py_func.__code__.co_filename, line).strip()
     return f"forces: {function.__name__}, line {line}" + (f", `{source}`" if source else "")
 

@@ -23,7 +23,7 @@ _GONE = 60.0
 
 @dataclass(frozen=True)
 class Dlvo(Force):
-    """Force of Derjaguin, Landau, Verwey and Overbeek between a sphere and a plane.
+    """Force of Derjaguin, Landau, Verwey and Overbeek (DLVO) between a sphere and a plane.
 
     Its potential is B exp(-gap/l_D) - A_H r/(6 gap): both double layers in Derjaguin's
     approximation, and van der Waals's attraction next to contact, without retardation. Nearer than
@@ -31,13 +31,13 @@ class Dlvo(Force):
     """
 
     radius: float
-    """r, m"""
+    """r of the sphere, m"""
     position: float
-    """of the wall, m"""
+    """z of the wall, m"""
     normal: float
-    """1 or -1, see `tweezer.scene.sections.Wall`"""
+    """1 or -1: sign of z of the normal into the medium, see `tweezer.scene.sections.Wall`"""
     strength: float
-    """B, J"""
+    """B of the repulsion of the double layers, J"""
     debye_length: float
     """l_D, m"""
     hamaker_constant: float
@@ -52,12 +52,16 @@ class Dlvo(Force):
 
     @property
     def attraction(self) -> float:
-        """Van der Waals's force at the closest, N."""
+        """Van der Waals attraction at the smallest gap, `CLOSEST`, N."""
         return self.hamaker_constant * self.radius / 6 / CLOSEST**2
 
 
 @cached_njit(error_model="numpy", nogil=True)
 def _add_dlvo(pose, data, wrench):  # type: ignore[no-untyped-def]
+    """Add the force of `Dlvo` along z, as a kernel.
+
+    Entries of `data`: r, m; z of the wall, m; normal, 1 or -1; B/l_D, N; 1/l_D, 1/m; A_H r/6, J m.
+    """
     radius, position, normal = number(data, 0), number(data, 1), number(data, 2)
     push, rate, pull = number(data, 3), number(data, 4), number(data, 5)
     for i in range(len(pose.time)):
@@ -72,20 +76,20 @@ def _add_dlvo(pose, data, wrench):  # type: ignore[no-untyped-def]
 
 @dataclass(frozen=True)
 class Contact(Force):
-    """What keeps a bead that rests on a wall from sinking into it: F_0 exp(-gap/`BORN`).
+    """Force that keeps a bead on a wall from sinking into it: F_0 exp(-gap/`BORN`).
 
-    Of Born and Mayer's form. A bead pushed by F rests at the gap l ln(F_0/F), which is 7 l and
+    The form is Born and Mayer's. A bead pushed by F rests at the gap l ln(F_0/F), which is 7 l and
     more, l = `BORN`. The mobility towards the wall is there in proportion to the gap, so that it
     comes to rest at the rate b F/r times a logarithm, with the mobility b far away: no faster than
     a force like that moves a bead elsewhere, and nothing is stiff.
     """
 
     radius: float
-    """r, m"""
+    """r of the bead, m"""
     position: float
-    """of the wall, m"""
+    """z of the wall, m"""
     normal: float
-    """1 or -1, see `tweezer.scene.sections.Wall`"""
+    """1 or -1: sign of z of the normal into the medium, see `tweezer.scene.sections.Wall`"""
     largest: float
     """F_0, N: about 1000 times the largest force towards the wall"""
 
@@ -96,6 +100,10 @@ class Contact(Force):
 
 @cached_njit(error_model="numpy", nogil=True)
 def _add_contact(pose, data, wrench):  # type: ignore[no-untyped-def]
+    """Add the force of `Contact` along z, as a kernel.
+
+    Entries of `data`: r, m; z of the wall, m; normal, 1 or -1; F_0, N.
+    """
     radius, position = number(data, 0), number(data, 1)
     normal, largest = number(data, 2), number(data, 3)
     for i in range(len(pose.time)):
