@@ -1,4 +1,7 @@
-"""The beam in the pupil, and the cone of light behind the lens."""
+"""The beam in the pupil, and the cone of light behind the lens.
+
+rho is the distance from the axis in the pupil, m; theta the angle to the axis behind the lens.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,8 @@ from tweezer.values.errors import SceneError
 Array = NDArray[np.float64]
 Profile = Callable[[Array], Array]
 
-#: rho^2/(2 sigma^2) at which beams are cut; Gaussian and donut are below 1e-18 of their peak there
+#: rho^2/(2 sigma^2) at which beams are cut, sigma as in `Beam`; Gaussian and donut are below 1e-18
+#: of their peak there
 _DARK = 47.0
 #: Logarithm of the peak over the intensity at which rings are cut
 _FAINT = 42.0
@@ -47,12 +51,15 @@ class Cone:
     small; of a table, the series where it is positive"""
 
     def radiance(self, cosine: Array) -> Array:
-        """Power per solid angle, W/sr, at polar angles of these cosines within the cone."""
+        """Return the power per solid angle, W/sr, at polar angles of these cosines in the cone."""
         return np.asarray(Chebyshev(self.series)(1 - 2 * (1 - cosine) / _versine(self.half_angle)))
 
     @functools.cached_property
     def spread(self) -> float:
-        """sqrt(2 <sin^2 theta>), averaged over the power: sin(half_angle) of an even pupil."""
+        """Sine of a mean angle of the light: sqrt(2 <sin^2 theta>), averaged over the power.
+
+        It is sin(half_angle) if the pupil is evenly lit.
+        """
         if self.power == 0:
             return math.sin(self.half_angle)
         x, weight = _nodes()
@@ -63,14 +70,14 @@ class Cone:
 
 @functools.cache
 def _nodes() -> tuple[Array, Array]:
-    """Nodes and weights of the average over the light's cone."""
+    """Return Gauss-Legendre nodes on [-1, 1] and weights for averages over the light's cone."""
     from numpy.polynomial.legendre import leggauss
 
     return leggauss(100)
 
 
 def cone(scene: Scene) -> Cone:
-    """The cone of light of `scene`; a dark one if it has no light.
+    """Return the cone of light of `scene`; a dark one if it has no light.
 
     A ring of the pupil carries I(rho) 2 pi rho drho (3.3)-(3.5) into the polar angle theta(rho) of
     the lens map, so the power per solid angle is I rho (drho/dtheta)/sin(theta): I f^2/cos^3(theta)
@@ -91,7 +98,7 @@ def cone(scene: Scene) -> Cone:
 
 
 def total_power(lens: Lens, beam: Beam) -> float:
-    """P_t of (3.4), W: as given, or from the given power through the pupil.
+    """Return the power P_t of (3.4), W: as given, or from the given power through the pupil.
 
     Raises `SceneError` as `fraction_through_pupil`.
     """
@@ -102,7 +109,7 @@ def total_power(lens: Lens, beam: Beam) -> float:
 
 
 def fraction_through_pupil(lens: Lens, beam: Beam) -> float:
-    """Part of the beam's power that passes the pupil of radius R.
+    """Return the part of the beam's power that passes the pupil of radius R.
 
     With t = R^2/(2 sigma^2) a Gaussian has 1 - exp(-t). A beam of intensity t^n exp(-t) has the
     incomplete gamma function P(n + 1, t): n = |l| for a Gaussian beam with a vortex, which is
@@ -135,7 +142,7 @@ def fraction_through_pupil(lens: Lens, beam: Beam) -> float:
 
 
 def intensity(lens: Lens, beam: Beam, medium: Medium) -> Profile:
-    """Intensity I in the pupil, W/m^2, as a function of rho (m) up to the rim.
+    """Return the intensity I in the pupil, W/m^2, as a function of rho (m) up to the rim.
 
     For a table it is that of the series. Raises `SceneError` as `cone`.
     """
@@ -160,7 +167,7 @@ def intensity(lens: Lens, beam: Beam, medium: Medium) -> Profile:
 
 
 def polar_sine_and_cosine(rho: Array, lens: Lens, medium: Medium) -> tuple[Array, Array]:
-    """Sine and cosine of the angle to the axis of a ray from pupil radius `rho` (m).
+    """Return sine and cosine of the angle to the axis of a ray from pupil radius `rho` (m).
 
     `tan`: tan(theta) = rho/f, rays straight from the lens plane to the focus, as in (3.2).
     `sine`: sin(theta) = (rho/R) NA/n, Abbe's sine condition; n is n_m or, with a cover, the index
@@ -176,7 +183,7 @@ def polar_sine_and_cosine(rho: Array, lens: Lens, medium: Medium) -> tuple[Array
 
 
 def behind_face(angle: float, before: float, behind: float) -> float:
-    """Angle to the axis, rad, of a ray behind a plane face across it, by Snell's law.
+    """Return the angle to the axis, rad, of a ray behind a plane face across it (Snell's law).
 
     angle: rad, before the face. before, behind: refractive indices. A right angle for a ray that
     the face reflects totally.
@@ -186,21 +193,33 @@ def behind_face(angle: float, before: float, behind: float) -> float:
 
 @dataclass(frozen=True)
 class _Shape:
-    """Shape of a cone of light of 1 W."""
+    """A cone of light of 1 W, with the fields of `Cone`."""
 
     half_angle: float
+    """rad, polar angle of the outermost rays"""
     series: Array
+    """Chebyshev coefficients of the power per solid angle, 1/sr"""
     deviation: float
+    """largest difference between the series and the beam's profile, as a part of the peak"""
     radiance: Profile
+    """power per solid angle, 1/sr, at 1 - cos(theta)"""
 
 
 def _shape_behind(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
+    """Return the shape of the cone of light, which the power of the beam does not change.
+
+    So it is computed once for beams of all powers.
+    """
     of_one_watt = beam.model_copy(update={"power": None, "power_through_pupil": 1.0})
     return _shape_of_one_watt(lens, of_one_watt, medium)
 
 
 @functools.lru_cache(maxsize=16)
 def _shape_of_one_watt(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
+    """Compute the shape of the cone of a beam of 1 W through the pupil, as a series.
+
+    Raises `SceneError` if the series does not describe it, see `cone`.
+    """
     edge = lens.radius
     if beam.sigma is not None:
         edge = min(edge, beam.sigma * math.sqrt(2 * _dark(_ring(beam))))
@@ -211,7 +230,10 @@ def _shape_of_one_watt(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
     profile = _profile(beam)
 
     def radiance(below: Array) -> Array:
-        """Relative radiance at 1 - cos(theta): cos(theta) itself would lose a narrow cone."""
+        """Return the power per solid angle, in any unit, at 1 - cos(theta) = `below`.
+
+        From cos(theta) itself the digits of a narrow cone would be lost.
+        """
         cosine = 1 - below
         sine = np.sqrt(below * (1 + cosine))
         rho = np.minimum(_pupil_radius(sine, cosine, lens, medium), edge)
@@ -238,6 +260,7 @@ def _shape_of_one_watt(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
     one_watt = Chebyshev(series / power)
 
     def of_one_watt(below: Array) -> Array:
+        """Return the power per solid angle, 1/sr, at 1 - cos(theta) = `below`."""
         if table:
             return np.maximum(one_watt(1 - 2 * below / versine), 0.0)
         return radiance(below) / power
@@ -246,9 +269,10 @@ def _shape_of_one_watt(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
 
 
 def _series(function: Profile, *, left_out: float, checked_at: Array) -> tuple[Array, float]:
-    """Chebyshev coefficients of a function on [-1, 1], and their error as a part of its peak.
+    """Return Chebyshev coefficients of a function on [-1, 1], and their error.
 
-    The series ends with the last coefficient above `left_out` times the peak.
+    The series ends with the last coefficient above `left_out` times the function's peak. The error
+    is the largest difference at the points `checked_at`, as a part of the peak.
     """
     exact = function(checked_at)
     peak = exact.max()
@@ -264,14 +288,17 @@ def _series(function: Profile, *, left_out: float, checked_at: Array) -> tuple[A
 
 
 def _points(lens: Lens, beam: Beam, medium: Medium, versine: float) -> Array:
-    """Coordinates of the points of a table in the variable of the series."""
+    """Return where a table's points are in the variable of the series, from -1 (rim) to 1.
+
+    versine: 1 - cos(half angle of the cone).
+    """
     radii = np.array(beam.profile_radius or ())
     sine, cosine = polar_sine_and_cosine(radii[radii <= lens.radius], lens, medium)
     return 1 - 2 * sine**2 / (1 + cosine) / versine
 
 
 def _profile(beam: Beam) -> Profile:
-    """Relative intensity as a function of rho."""
+    """Return the relative intensity in the pupil as a function of rho, m."""
     if beam.profile == "uniform":
         return np.ones_like
     if beam.profile == "table":
@@ -290,15 +317,15 @@ def _profile(beam: Beam) -> Profile:
 
 
 def _ring(beam: Beam) -> int:
-    """n of the intensity t^n exp(-t), t = rho^2/(2 sigma^2); 0 of profiles that have none."""
+    """Return n of the intensity t^n exp(-t), t = rho^2/(2 sigma^2); 0 for other profiles."""
     return {"gaussian": abs(beam.vortex), "donut": 1}.get(beam.profile, 0)
 
 
 def _dark(power: int) -> float:
-    """t at which t^n exp(-t) is below 1e-18 of its peak, at t = n.
+    """Return t at which t^n exp(-t), n = `power`, is below 1e-18 of its peak (at t = n).
 
     With t = n + x the logarithm falls by x - n log(1 + x/n) >= x^2/(2 n + 2 x/3) (Bernstein's
-    inequality), which is above a for x = a + sqrt(2 a n).
+    inequality), which is above a for x = a + sqrt(2 a n); here a is `_FAINT`.
     """
     if power <= 1:
         return _DARK
@@ -306,9 +333,10 @@ def _dark(power: int) -> float:
 
 
 def _interpolated(beam: Beam) -> tuple[Profile, Callable[[float], float]]:
-    """Monotone cubic interpolant of a table in rho^2, and its power within rho.
+    """Return a table's intensity and the power within rho, as functions of rho, m.
 
-    Both are relative to the largest point.
+    The table is interpolated by monotone cubics in rho^2, its largest point counts as 1. Units of
+    the power are arbitrary.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -322,29 +350,31 @@ def _interpolated(beam: Beam) -> tuple[Profile, Callable[[float], float]]:
 
 
 def _outermost(beam: Beam) -> float:
+    """Return the radius of the last point of a beam's table, m."""
     assert beam.profile_radius is not None
     return beam.profile_radius[-1]
 
 
 def _polar_angle(rho: float, lens: Lens, medium: Medium) -> float:
+    """Return the angle to the axis, rad, of the ray from pupil radius `rho`, m."""
     sine, cosine = polar_sine_and_cosine(np.array(rho), lens, medium)
     return math.atan2(sine, cosine)
 
 
 def _pupil_radius(sine: Array, cosine: Array, lens: Lens, medium: Medium) -> Array:
-    """Pupil radius, m, of the ray at a polar angle."""
+    """Return the pupil radius, m, of the ray at the polar angle of that sine and cosine."""
     scale = _scale(lens, medium)
     return scale * sine / cosine if lens.map == "tan" else scale * sine
 
 
 def _spread(cosine: Array, lens: Lens, medium: Medium) -> Array:
-    """Area of the pupil per solid angle behind it, m^2."""
+    """Return the area of the pupil per solid angle behind it, m^2/sr, at a polar angle."""
     scale = _scale(lens, medium)
     return scale**2 / cosine**3 if lens.map == "tan" else scale**2 * cosine
 
 
 def _scale(lens: Lens, medium: Medium) -> float:
-    """f of the tan map, R n/NA of the sine map, m."""
+    """Return the length that scales the lens map, m: f of the tan map, R n/NA of the sine map."""
     if lens.map == "tan":
         assert lens.focal_length is not None
         return lens.focal_length
@@ -353,9 +383,10 @@ def _scale(lens: Lens, medium: Medium) -> float:
 
 
 def _index(lens: Lens, medium: Medium) -> float:
-    """Refractive index of the medium into which the lens focuses."""
+    """Return the refractive index behind the lens: of the cover if there is one, or the medium."""
     return (lens.cover or medium).refractive_index
 
 
 def _versine(angle: float) -> float:
+    """Return 1 - cos(angle), without cancellation for small angles."""
     return 2 * math.sin(angle / 2) ** 2

@@ -12,10 +12,10 @@ _STEEPEST = 0.999
 
 
 def drawn_half_angle(scene: Scene) -> float:
-    """Angle of the outermost rays to the axis about the bead, rad, for a picture of one beam.
+    """Return the angle of the outermost rays to the axis at the bead, rad, for a picture of a beam.
 
-    Behind a cover it is that of the refracted rays; those that the cover reflects totally are left
-    out, and the cone ends at 87.4 degrees.
+    Behind a cover the rays are refracted; those that the cover reflects totally are left out, and
+    the cone ends at 87.4 degrees.
     """
     angle, cover = cone(scene).half_angle, scene.lens.cover
     if cover is None:
@@ -25,7 +25,7 @@ def drawn_half_angle(scene: Scene) -> float:
 
 
 def cone_caveat(scene: Scene) -> str | None:
-    """What the drawn cone leaves out, in one sentence; None if nothing."""
+    """Return a sentence on what the drawn cone leaves out; None if that is nothing."""
     cover = scene.lens.cover
     medium = scene.medium.refractive_index
     if cover is None or cover.refractive_index == medium or not scene.lit:

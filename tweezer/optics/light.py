@@ -33,10 +33,11 @@ class Light(ABC):
     """The light of one beam, and the sphere it falls on."""
 
     cone: Cone
+    """the light behind the lens"""
     momentum_per_energy: float
-    """n_m/c, s/m, of the light"""
+    """n_m/c of the light in the medium (refractive index over speed of light), s/m"""
     radius: float
-    """m, of the bead"""
+    """of the bead, m"""
 
     @property
     def strength(self) -> float:
@@ -67,7 +68,7 @@ class Light(ABC):
         """Box in which rings and positions off the axis are searched."""
 
     def of_radius(self, radius: float) -> Self:
-        """The same on a sphere scaled to that radius, m."""
+        """Return this light with the sphere scaled to another radius, m."""
         return dataclasses.replace(self, radius=radius)
 
     def regions(self) -> tuple[Kernel, Data] | None:
@@ -76,7 +77,7 @@ class Light(ABC):
 
 
 def jones_vector(beam: Beam) -> Array:
-    """The Jones vector (4,) of linear light as (re, im) pairs; zeros for other light."""
+    """Return the Jones vector (4,) of linear light as (re, im) pairs; zeros for other light."""
     return np.array(beam.jones or np.zeros((2, 2))).ravel()
 
 
@@ -85,6 +86,7 @@ class LightForce(Force):
     """The force of the light of one beam. Each evaluator is a subclass, in a file of its own."""
 
     light: Light
+    """the light, and the sphere it falls on"""
 
     scales: ClassVar[bool] = False
     """whether the force depends on positions in radii of the bead alone, as in ray optics"""
@@ -100,7 +102,7 @@ class LightForce(Force):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """See `Force.field`. Bound once, as the look-up of the kernel costs as much as a force."""
+        """See `Force.field`. The bound kernel is kept: to look it up takes as long as the force."""
         if gradient not in self._parts:
             self._parts[gradient] = bound(self, gradient=gradient)
         return evaluated(self._parts[gradient], positions, gradient, time, orientations)
@@ -131,23 +133,23 @@ class LightForce(Force):
         return self.light.regions()
 
     def absorbed_power(self, positions: Array) -> Array:
-        """Power of the light that the bead absorbs at `positions` (n, 3) m, (n,) W."""
+        """Return the power of the light that the bead absorbs at `positions` (n, 3) m, (n,) W."""
         return np.zeros(len(positions))
 
     def certain(self) -> LightForce:
-        """The force of the same light by an evaluator that estimates its error."""
+        """Return the force of the same light by an evaluator that estimates its error."""
         return self
 
     def error_of(self, positions: Array, field: Wrench, time: float | Array = 0.0) -> Array:
-        """See `Force.error_of`: the estimate, or else the distance to `certain`."""
+        """See `Force.error_of`: the estimate, or the difference from `certain` without one."""
         return error_by(self.certain(), positions, field, time)
 
     def allowed_error(self, force: Array) -> Array:
-        """Largest error of a force (n, 3) N within the tolerance of the scene, (n,) N."""
+        """Return the largest error within the scene's tolerance of a force (n, 3) N, (n,) N."""
         return np.full(len(force), np.inf)
 
     def of_radius(self, radius: float) -> LightForce:
-        """The same light on a bead of another radius, m.
+        """Return the force of the same light on a bead of another radius, m.
 
         Raises `SceneError` for an evaluator whose force does not scale with the radius.
         """
@@ -162,7 +164,12 @@ class LightForce(Force):
 
 
 def error_by(certain: Force, positions: Array, field: Wrench, time: float | Array) -> Array:
-    """Error of the force of `field`, (n,) N; where it is NaN, the distance to a `certain` one."""
+    """Return the error of the force of `field`, (n,) N.
+
+    It is the field's own estimate, if that is known for all positions. If any of it is NaN, all
+    errors are differences from the force `certain`, plus the error of that. positions: (n, 3) m;
+    time: s, one or (n,).
+    """
     if not np.isnan(field.error).any():
         return field.error
     exact = certain.field(positions, time=time)

@@ -18,10 +18,10 @@ _LISTS = 64
 
 
 def sampled(scene: Scene, positions: Array) -> tuple[Array, Array]:
-    """Force of the light of the only beam of `scene`, (n, 3) N, and its error, (n,) N.
+    """Return the force of the light of the only beam of `scene`, (n, 3) N, and its error, (n,) N.
 
-    positions: (n, 3) m. The force is linear in the power, so that it is computed once for each
-    light and list of places, and kept. Of another power it is the same to rounding.
+    positions: (n, 3) m. The force is proportional to the power: it is computed for 1 W, once for
+    each light and list of positions, kept, and multiplied.
     """
     if not scene.lit:
         return np.zeros((len(positions), 3)), np.zeros(len(positions))
@@ -32,6 +32,10 @@ def sampled(scene: Scene, positions: Array) -> tuple[Array, Array]:
 
 @functools.lru_cache(maxsize=_LISTS)
 def _of_one_watt(scene: Scene, places: bytes) -> tuple[Array, Array]:
+    """Return force and error as `sampled`, for a scene of 1 W.
+
+    places: memory of the positions (n, 3), as bytes, which can be the key of a cache.
+    """
     positions = np.frombuffer(places).reshape(-1, 3)
     light = light_of_one_beam(scene)
     field = light.field(positions)

@@ -40,14 +40,18 @@ _in_memory: dict[str, tuple[Any, Path | None]] = {}
 
 
 class Evaluate(Protocol):
-    """The function that a table interpolates: `field` of the quadrature, in the table's units."""
+    """Type of the function that a table interpolates: `LightForce.field`, in the table's units."""
 
     def __call__(self, positions: Array) -> Wrench:
-        """Force, moment and estimated error at positions (n, 3)."""
+        """Return force, moment and estimated error at positions (n, 3)."""
 
 
 class Made(Protocol):
-    """A table as computed and stored, a dataclass; lengths in a unit, forces in n_m P/c."""
+    """Type of a table as computed and stored, a dataclass.
+
+    Lengths are in a unit of the theory, forces in n_m P/c (refractive index, power, speed of
+    light).
+    """
 
     @property
     def certified(self) -> float:
@@ -70,17 +74,21 @@ class Made(Protocol):
         """Number of pieces."""
 
     def kernel(self, *, gradient: bool) -> Kernel:
-        """Kernel that reads it."""
+        """Return the kernel that reads this table; gradient: whether it adds gradients too."""
 
     def data(self, unit: float, strength: float, beyond: Part) -> Data:
-        """Data of the kernel. unit: m. strength: n_m P/c, N. beyond: the force out of range."""
+        """Return the data of the kernel.
+
+        unit: of the table's lengths, m. strength: n_m P/c, N. beyond: the force out of range.
+        """
 
 
 @dataclass(frozen=True)
 class Table:
-    """The table of one scene."""
+    """A force table with the units of one scene, as `tweezer.optics.force_map` returns it."""
 
     made: Made
+    """the table in its own units"""
     unit: float
     """of its lengths, m"""
     strength: float
@@ -117,9 +125,11 @@ class Table:
 def stored(
     key: str, tolerance: float, kind: type[AnyMade], make: Callable[[], AnyMade]
 ) -> tuple[AnyMade, Path | None]:
-    """The table of that key, and its file: from memory, the user's cache folder, or else by `make`.
+    """Return the table of a key, and its file; None if it could not be written.
 
-    kind: of the tables that `make` makes. Warns as `tweezer.optics.force_map`.
+    The table is taken from memory or from the user's cache folder, or else computed by `make`.
+    tolerance: wanted error, as a part of the largest force; a larger one is a warning. kind: class
+    of the tables that `make` returns.
     """
     if key in _in_memory:
         return _in_memory[key]
@@ -137,9 +147,10 @@ def stored(
 
 
 def sources(*modules: str) -> str:
-    """Text of the code that computes a table: part of its key. modules: names within tweezer.
+    """Return the text of the code that computes a table, which is a part of the table's key.
 
-    It is read on import, as a file may change while the program runs.
+    modules: names within tweezer, beside those that all tables use. It is read on import, as a file
+    may change while the program runs.
     """
     own = ("beam", "beyond", "light", "mapped", "table", "turning")
     names = (*modules, "forces.data", "forces.force", *(f"optics.{name}" for name in own))
@@ -150,16 +161,17 @@ def sources(*modules: str) -> str:
 
 
 def key(code: str, cone: Cone, *said: Any) -> str:
-    """Digest of all that a table depends on. Rounding in the power does not change it.
+    """Return a digest of all that a table depends on, by which it is stored.
 
-    code: `sources`. said: beside the cone of light.
+    code: from `sources`. cone: of light, of which the shape counts alone; it is rounded, so that
+    the power does not change it. said: all other things that the table depends on.
     """
     shape = np.round(cone.series / np.abs(cone.series).max(), 13) + 0.0  # no -0
     return hashlib.sha256(f"{code}{said}{shape.tolist()}".encode()).hexdigest()
 
 
 def tables_folder() -> Path:
-    """Folder of the tables, `KEY.table`, in the user's cache folder."""
+    """Return the folder of the tables, `KEY.table`, in the user's cache folder."""
     from platformdirs import user_cache_path
 
     return user_cache_path("tweezer") / "tables"
@@ -168,7 +180,10 @@ def tables_folder() -> Path:
 def _kept(
     key: str, kind: type[AnyMade], make: Callable[[], AnyMade]
 ) -> tuple[AnyMade, Path | None]:
-    """The table in the cache folder, and its file; computed if it is missing or damaged."""
+    """Return the table in the cache folder, and its file; compute it if missing or damaged.
+
+    key, kind, make: as in `stored`. The file is None if it could not be written.
+    """
     path = tables_folder() / f"{key}.table"
     if (made := _load(path, key, kind)) is not None:
         return made, path
@@ -215,7 +230,7 @@ def _wait_for(lock: FileLock) -> None:
 
 
 def _save(path: Path, key: str, made: Any) -> None:
-    """Write a table: a digest of its key and content, and an npz archive."""
+    """Write a table to a file: a digest of its key and content, then the fields as npz archive."""
     from tweezer.values.files import replacing
 
     buffer = io.BytesIO()
@@ -226,7 +241,7 @@ def _save(path: Path, key: str, made: Any) -> None:
 
 
 def _load(path: Path, key: str, kind: type[AnyMade]) -> AnyMade | None:
-    """A saved table; None if the file is missing or damaged."""
+    """Return a saved table of the class `kind`; None if the file is missing or damaged."""
     try:
         content = path.read_bytes()
     except OSError:
@@ -236,7 +251,7 @@ def _load(path: Path, key: str, kind: type[AnyMade]) -> AnyMade | None:
         return None
     with np.load(io.BytesIO(content)) as archive:
         read = {name: archive[name] for name in archive.files}
-    # numbers of Python's, as they were: kernels are compiled again for those of NumPy
+    # numbers become Python's again: for NumPy's, kernels would be compiled once more
     fields: dict[str, Any] = {
         name: value if value.ndim else value.item() for name, value in read.items()
     }

@@ -28,8 +28,8 @@ Range = tuple[float, float]
 
 #: Range of n_P/n_m in which ray optics was compared with wave optics
 INDEX_RATIOS = (0.7, 1.9)
-#: Largest ratio of sizes of beads that count as alike. The exact force oscillates with size, with a
-#: period of half a wavelength
+#: Largest ratio of the sizes of two beads that count as similar. The exact force oscillates with
+#: size, with a period of half a wavelength
 ALIKE = math.sqrt(2.0)
 #: Factor by which ranges are widened, because the table has gaps. In 184 random trusted cases the
 #: widened ranges contained 94 to 99 % of the exact ratios
@@ -85,9 +85,9 @@ class RayOpticsWorth:
     escape_across: Range | None
     """ratio of the force of `Escape` along x and y"""
     escape_forward: Range | None
-    """the same along +z"""
+    """ratio of the force of `Escape` along +z"""
     escape_backward: Range | None
-    """the same along -z"""
+    """ratio of the force of `Escape` along -z"""
     trapped: float | None
     """fraction of the traps of ray optics that are traps of wave optics"""
     trusted: bool
@@ -101,7 +101,7 @@ class RayOpticsWorth:
 
     @property
     def in_short(self) -> str:
-        """In short, for a line of a table."""
+        """Summary in a few words, for a line of a table."""
         if not self.trusted:
             return f"not to be trusted: bead {self.size}"
         if self.force_inside is None:
@@ -153,11 +153,15 @@ def ray_optics_worth(scene: Scene) -> RayOpticsWorth | None:
 
 
 def _facing(scene: Scene) -> bool:
+    """Return whether the scene has beams in opposite directions."""
     return len({beam.direction for beam in scene.beams}) > 1
 
 
 def ray_optics_caveat(scene: Scene) -> str | None:
-    """`ray_optics_worth` in one sentence, and how to have the exact force; None as there."""
+    """Return the validity of ray optics in one sentence, with the way to the exact force.
+
+    None where `ray_optics_worth` is None.
+    """
     worth = ray_optics_worth(scene)
     if worth is None:
         return None
@@ -191,7 +195,7 @@ def ray_optics_caveat(scene: Scene) -> str | None:
 
 
 def _way_out(scene: Scene) -> str:
-    """How the scene has the exact force, or why it has not."""
+    """Return a clause on how to compute the exact force for a scene, or why it is not possible."""
     if (reason := no_waves(scene.optics, scene.beams)) is not None:
         return reason
     if (reason := _too_far_for_waves(scene)) is not None:
@@ -222,8 +226,10 @@ def _too_far_for_waves(scene: Scene) -> str | None:
 
 
 def worth_attributes(scene: Scene) -> dict[str, str]:
-    """Attributes of results computed with the light of `scene`: the theory and why it is that one,
-    what ray optics is worth as a sentence, and `RayOpticsWorth` as JSON ("null" by waves).
+    """Return the attributes of results that describe the theory of the light of `scene`.
+
+    They are the theory and the reason for it, the validity of ray optics as a sentence, and
+    `RayOpticsWorth` as JSON ("null" if the light is computed as waves).
     """
     worth = ray_optics_worth(scene)
     return {
@@ -236,7 +242,7 @@ def worth_attributes(scene: Scene) -> dict[str, str]:
 
 @functools.cache
 def _table() -> dict[str, Array]:
-    """The columns of `ray_optics_worth.csv`; NaN where wave optics has no trap."""
+    """Return the columns of `ray_optics_worth.csv` by name; NaN where wave optics has no trap."""
     with resources.files("tweezer.optics").joinpath("ray_optics_worth.csv").open() as file:
         names, *rows = csv.reader(file)
     values = [[float(each or "nan") for each in row] for row in rows]
@@ -244,7 +250,12 @@ def _table() -> dict[str, Array]:
 
 
 def _alike(index_ratio: float, aperture: float, wavelengths: float) -> dict[str, Array]:
-    """Rows of similar size at the nearest apertures and indices; none if not compared."""
+    """Return the table's rows for beads and light like those of a scene, by column.
+
+    Their size differs by up to `ALIKE`; their apertures and index ratios are the nearest ones on
+    both sides. index_ratio: n_P/n_m of bead and medium, out of `INDEX_RATIOS` no rows are alike.
+    aperture: `Cone.spread`. wavelengths: diameter of the bead in wavelengths in the medium.
+    """
     table = _table()
     sizes = table["wavelengths"]
     size = min(max(wavelengths, sizes.min()), sizes.max())
@@ -261,23 +272,24 @@ def _alike(index_ratio: float, aperture: float, wavelengths: float) -> dict[str,
 
 
 def _range(values: Array, margin: float = 1.0) -> Range | None:
+    """Return smallest and largest value, widened by the factor `margin`; None without values."""
     return (float(values.min()) / margin, float(values.max()) * margin) if values.size else None
 
 
 def _percent(errors: Range | None) -> str:
-    """The upper end of a range of errors in words: "12 %"; "" without one."""
+    """Return the upper end of a range of relative errors in words: "12 %"; "" without a range."""
     return "" if errors is None else f"{float(f'{100 * errors[1]:.2g}'):g} %"
 
 
 def rows_of_light(scene: Scene) -> list[Row]:
-    """The theory of the light, why it is that one, and what ray optics is worth."""
+    """Return rows of a table on the theory of the light, its reason, and how valid rays are."""
     theory = f"{scene.theory} ({scene.theory_reason})" if scene.lit else "none"
     worth = ray_optics_worth(scene)
     return [Row("light", theory), *([Row("ray optics", worth.in_short)] if worth else [])]
 
 
 def between(ratios: Range | None) -> str:
-    """A range in words: "0.9 to 1.3"; "" without one."""
+    """Return a range of ratios in words: "0.9 to 1.3"; "" without a range."""
     if ratios is None:
         return ""
     low, high = (f"{ratio:.2g}" for ratio in ratios)
