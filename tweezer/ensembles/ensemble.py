@@ -188,7 +188,11 @@ def _run(
     workers: int | None,
     progress: Callable[[float], None] | None,
 ) -> xr.Dataset:
-    """Compute what is missing."""
+    """Compute the blocks of an ensemble that are missing, and return the result.
+
+    Blocks are submitted a few ahead of the workers, and recorded as they end. On Ctrl-C the
+    workers stop, and the result is what is finished. Arguments as of `ensemble`.
+    """
     if scheduler is None:
         opened = threads(job, bound, workers or numba.config.NUMBA_NUM_THREADS)
     else:
@@ -198,8 +202,8 @@ def _run(
         queue = deque(output.missing)
         done = 1 - sum(job.share(index) for index in queue)
         flying: dict[Future[Gathered | None], int] = {}
-        #: of the blocks in flight; they come as they end, for to look at all takes the longer the
-        #: more there are
+        #: finished part of each block in flight. Blocks come through the queue `ended`: a look at
+        #: all of them takes longer the more there are
         parts: dict[int, float] = {}
         ended: SimpleQueue[Future[Gathered | None]] = SimpleQueue()
         width, looked = pool.width(), time.monotonic()

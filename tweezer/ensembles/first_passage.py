@@ -37,7 +37,7 @@ class EscapeTimes(Shown):
     they do not exist"""
 
     def card(self) -> Card:
-        """How many escaped, and how soon."""
+        """Return a card with the number of escapes, their mean time and the test of the rate."""
         low, high = self.interval
         mean = "not known" if self.mean is None else f"{self.mean:.4g} s"
         told = f"above {low:.3g} s" if high is None else f"{low:.3g} to {high:.3g} s"
@@ -56,7 +56,7 @@ def escape_times(
     radius: QuantityLike,
     centre: QuantitiesLike = 0.0,
 ) -> EscapeTimes:
-    """First times at which trajectories are further than `radius` (m) from `centre`.
+    """Determine the first times at which trajectories are further than `radius` (m) from `centre`.
 
     times: (n,) s; positions: (trajectories, n, axes) m, NaN from where a bead was lost; centre:
     (axes,) m. A trajectory that stays inside is censored at its end. An escape is seen at the first
@@ -110,7 +110,10 @@ def escape_times(
 
 
 def _constant_rate(durations: Array, escaped: NDArray[np.bool_]) -> float:
-    """P-value of the score test of an exponential against a Weibull distribution."""
+    """Return the p-value of a constant escape rate: exponential against Weibull, by a score test.
+
+    durations: (trajectories,) s, to the escape or the end. escaped: (trajectories,) whether it did.
+    """
     u = durations * escaped.sum() / durations.sum()
     weighted = u * np.log(u)
     score = escaped.sum() + np.log(u[escaped]).sum() - weighted.sum()

@@ -48,12 +48,14 @@ SEEN = "seen"
 
 @dataclass(frozen=True)
 class Job:
-    """What a worker needs to know of an ensemble."""
+    """Description of an ensemble from which every worker computes its blocks."""
 
     scene: str
     """JSON, with model and method decided"""
     seed: int
+    """of the random numbers"""
     trajectories: int
+    """number of trajectories"""
     block: int
     """number of trajectories in a block"""
     cuts: tuple[int, ...]
@@ -61,15 +63,17 @@ class Job:
     skipped: int | None
     """first sample of stationary statistics; None if trajectories are written"""
     out: Path | None
+    """file to write; None if the result is in memory"""
     found: Attributes
-    """`found_of` in the process that began it"""
+    """`found_of` in the process that began the ensemble"""
 
     @classmethod
     def of(cls, bound: Walk, trajectories: int, skipped: int | None, out: Path | None) -> Job:
-        """The job divided so that a window of a block takes at most 25 MB.
+        """Return the job, divided so that a window of a block takes at most 25 MB.
 
-        A window holds all columns of trajectories, or the position for statistics. A block has more
-        than 64 trajectories only if a window of it is still some seconds' work.
+        bound: equations of motion and times of samples. trajectories: their number. skipped, out:
+        see the fields. A window holds all columns of trajectories, or the position for statistics.
+        A block has more than 64 trajectories only if a window of it is still some seconds' work.
         """
         samples = len(bound.times)
         width = bound.shown.width if skipped is None else bound.shown.blocks["position"]
@@ -97,12 +101,12 @@ class Job:
         return -(-self.trajectories // self.block)
 
     def members(self, index: int) -> slice:
-        """Numbers of the trajectories of a block."""
+        """Return the numbers of the trajectories of a block, as a slice."""
         first = index * self.block
         return slice(first, min(first + self.block, self.trajectories))
 
     def share(self, index: int) -> float:
-        """Size of a block as a part of the ensemble."""
+        """Return the size of a block as a part of the ensemble."""
         members = self.members(index)
         return (members.stop - members.start) / self.trajectories
 
@@ -118,7 +122,7 @@ class Job:
         return self.beside.folder
 
     def checkpoint(self, index: int) -> Path:
-        """Checkpoint of a block."""
+        """Return the file of the checkpoint of a block."""
         return self.part / f"{index}.npz"
 
     @property
@@ -128,9 +132,10 @@ class Job:
 
 
 def plan_of(bound: Walk, skipped: int) -> Plan:
-    """The statistics to gather: all quantities that can be averaged.
+    """Return the plan of the statistics to gather: of all quantities that can be averaged.
 
-    Without displacements for the method "one-call": see `tweezer.dynamics.brownian.one_call`.
+    skipped: number of first samples that only the moments over time include. It is without
+    displacements for the method "one-call": see `tweezer.dynamics.brownian.one_call`.
     """
     shown = bound.shown
     quantities = {name: shown.at(name) for name in shown.blocks if name != "orientation"}
@@ -146,7 +151,10 @@ def plan_of(bound: Walk, skipped: int) -> Plan:
 
 
 def found_of(bound: Walk) -> Attributes:
-    """What every process determines by itself, and must be the same in all that work together."""
+    """Return the numbers that every process determines by itself: step, versions, coefficients.
+
+    They must be the same in all processes that work together.
+    """
     (*plan, drag), (*edge, _, _) = bound.plan, bound.edge  # addresses are this process's own
     numbers = (*plan, drag.data.numbers, *edge, *bound.weights)
     coefficients = b"".join(np.asarray(each).tobytes() for each in numbers)
@@ -159,7 +167,10 @@ def found_of(bound: Walk) -> Attributes:
 
 
 def attributes_of(job: Job, bound: Walk) -> Attributes:
-    """What the numbers depend on; not when and where they are computed."""
+    """Return the attributes of the result: all that its numbers depend on.
+
+    The time and machine of the computation are not among them.
+    """
     others: Attributes = {}
     if own := bound.problem.others:
         others = {"other_forces": len(own), "forces_from": origins_of(own)}
@@ -187,9 +198,10 @@ def attributes_of(job: Job, bound: Walk) -> Attributes:
 
 
 def identity_of(job: Job, bound: Walk) -> str:
-    """Digest of `attributes_of` without the reasons for a choice, which workers do not know.
+    """Return a digest of `attributes_of`, by which checkpoints of this ensemble are recognised.
 
-    And without the wording of changes to the scene.
+    It leaves out the reasons for a choice, which workers do not know, and the wording of changes
+    to the scene.
     """
     scene = bound.scene.model_dump_json(exclude_none=True, exclude={"changed"})
     attributes = {**attributes_of(job, bound), "chosen": "", "variance_bias": "", "scene": scene}

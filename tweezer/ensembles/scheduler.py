@@ -20,7 +20,10 @@ _ADDRESS = re.compile(r"inproc://.+|.+:[0-9]+")
 
 @contextlib.contextmanager
 def client_of(scheduler: str | Client) -> Iterator[Client]:
-    """The client of a scheduler, by its address. Raises `SceneError` if it has no workers."""
+    """Provide the client of a Dask scheduler, given by its address or by a client.
+
+    Raises `SceneError` if the scheduler is not reached or has no workers.
+    """
     try:
         from distributed import Client
     except ImportError:
@@ -49,7 +52,7 @@ def client_of(scheduler: str | Client) -> Iterator[Client]:
 
 
 def _await_workers(client: Client) -> None:
-    """Raises `SceneError` if no worker comes."""
+    """Wait for the first worker of a scheduler; raises `SceneError` if none comes."""
     try:
         client.wait_for_workers(1, timeout=PATIENCE)
     except TimeoutError:

@@ -1,8 +1,8 @@
 """Running statistics of an ensemble, in memory independent of trajectories and time.
 
-Moments are held as [n, mean, M2, ...], M_p the sum of (x - mean)^p, and joined by the formulas of
-Pebay (Sandia report SAND2008-6212): without cancellation, and with the same bits for the same
-order.
+Moments of values x are kept as [n, mean, M2, ...]: their number, their mean, and M_p, the sum of
+(x - mean)^p. Two sets are joined by the formulas of Pebay (Sandia report SAND2008-6212), without
+cancellation. Joined in the same order, they give the same bits.
 """
 
 from __future__ import annotations
@@ -34,7 +34,10 @@ _CACHED = 2**16
 
 
 def moments(values: Array, order: int) -> Array:
-    """[n, mean, M2, ... M_order] (order + 1, ...) of `values` (n, ...) without NaN, on axis 0."""
+    """Return the moments [n, mean, M2, ... M_order] of values (n, ...) over their first axis.
+
+    The result is (order + 1, ...); NaN among the values are left out. See the module for M_p.
+    """
     whole = np.empty((order + 1, *values.shape[1:]))
     valid = ~np.isnan(values)
     where: Any = True if valid.all() else valid
@@ -52,7 +55,10 @@ def moments(values: Array, order: int) -> Array:
 
 
 def joined(a: Array, b: Array) -> Array:
-    """The `moments` of both sets of values together, to order 2 or 4; all 0 for no values."""
+    """Return the `moments` of two sets of values together, from those of each, `a` and `b`.
+
+    They are of order 2 or 4. The moments of no values are all 0.
+    """
     na, nb = a[0], b[0]
     n = np.maximum(na + nb, 1)
     fa, fb = na / n, nb / n
@@ -71,9 +77,10 @@ def joined(a: Array, b: Array) -> Array:
 
 
 def error_of_part(part: float, number: int) -> float:
-    """Half of E. B. Wilson's interval of one standard deviation of a part of `number` beads.
+    """Return the standard error of a measured fraction `part` of `number` beads.
 
-    It is no 0 where the part is 0 or 1.
+    It is half of E. B. Wilson's interval of one standard deviation, which is above 0 even if the
+    fraction is 0 or 1.
     """
     return math.sqrt(part * (1 - part) / number + 1 / (4 * number**2)) / (1 + 1 / number)
 
@@ -98,15 +105,17 @@ class Plan:
 
     @property
     def window(self) -> int:
-        """Samples of a window: equal parts of those after `skipped`, at most WINDOW, rounded down
-        to a length of fast transforms.
+        """Number of samples in a window of spectra and mean-square displacements.
+
+        The samples after `skipped` are divided into equal windows of at most WINDOW, rounded down
+        to a length for which Fourier transforms are fast.
         """
         left = len(self.times) - self.skipped
         return int(prev_fast_len(left // math.ceil(left / WINDOW), real=True))
 
     @property
     def cuts(self) -> list[int]:
-        """Numbers of the first samples of windows, and of the end."""
+        """Number of the first sample of each window, and after the last the number of samples."""
         end = len(self.times)
         before = range(0, self.skipped, WINDOW)
         within = range(self.skipped, end - self.window + 1, self.window)
@@ -114,7 +123,7 @@ class Plan:
 
     @property
     def every(self) -> int:
-        """Distance of samples with moments."""
+        """Number of samples from one with moments to the next: every such sample has them."""
         return math.ceil(len(self.times) / _TIMES)
 
     @property
@@ -126,7 +135,11 @@ class Plan:
 
 
 class Statistics:
-    """The statistics of some trajectories."""
+    """The statistics of some trajectories, gathered block by block.
+
+    A block is a group of trajectories, a window a stretch of their samples. `moments` holds arrays
+    of `moments`, and `sums` those that add up: histogram counts and numbers of samples lost, say.
+    """
 
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
@@ -157,22 +170,22 @@ class Statistics:
         }
 
     def arrays(self) -> dict[str, Array]:
-        """The arrays by name."""
+        """Return all arrays of the statistics by name, to store them."""
         return self.moments | self.sums
 
     @classmethod
     def of(cls, plan: Plan, arrays: Mapping[str, Array]) -> Self:
-        """Statistics from `arrays`, which `Statistics.arrays` gave."""
+        """Return the statistics whose arrays `Statistics.arrays` returned before."""
         made = cls(plan)
         for group in (made.moments, made.sums):
             group.update((name, arrays[name]) for name in group)
         return made
 
     def add_piece(self, first: int, samples: Array) -> None:
-        """Add `samples` (trajectories, samples, columns) from sample `first` on to the moments over
-        the trajectories.
+        """Add samples (trajectories, samples, columns) to the moments over the trajectories.
 
-        All samples added to one `Statistics` must be of the same trajectories, each added once.
+        first: number of the first of these samples. All samples added to one `Statistics` must be
+        of the same trajectories, each added once.
         """
         every = self.plan.every
         kept, samples = -(-first // every), samples[:, -first % every :: every]
@@ -187,8 +200,9 @@ class Statistics:
                 self.moments[name][:, at] = found[..., columns]
 
     def add_window(self, first: int, position: Array) -> None:
-        """Add the `position` (trajectories, samples, 3) of a window that begins with sample `first`
-        to all other statistics.
+        """Add a window to all statistics over time: histogram, averages, displacements, spectrum.
+
+        position: (trajectories, samples, 3) m, NaN after a loss. first: number of its first sample.
         """
         plan = self.plan
         lost = np.isnan(position[..., 0])
@@ -203,7 +217,7 @@ class Statistics:
                 self._add_windows(position[whole])
 
     def _count(self, position: Array) -> None:
-        """Add `position` (n, 3) to the histogram."""
+        """Add positions (n, 3), m, to the histogram."""
         for axis in range(3):
             bins = ((position[:, axis] / self.plan.reach + 1) * (_BINS / 2)).astype(np.int64)
             self.sums["counts"][:, axis] += np.bincount(
@@ -212,7 +226,7 @@ class Statistics:
         self.sums["samples"] += len(position)
 
     def _add_windows(self, position: Array) -> None:
-        """Add windows (n, window, 3) without a loss."""
+        """Add windows of positions without a loss, (n, samples of a window, 3) m."""
         step = self.plan.times[1] - self.plan.times[0]
         together = max(1, _CACHED // position[0].size)
         for i in range(0, len(position), together):
@@ -227,7 +241,10 @@ class Statistics:
                 self.moments[name] = joined(self.moments[name], moments(values, 2))
 
     def close(self, lost_time: Array) -> None:
-        """End a block: all windows of its trajectories have been added."""
+        """End a block, of which all windows have been added, by filling in the sums over blocks.
+
+        lost_time: (trajectories,) s, infinite for a bead that was not lost.
+        """
         sums = self.sums
         sums["counts_squared"] = sums["counts"] ** 2
         sums["counts_samples"] = sums["counts"] * sums["samples"]
@@ -237,13 +254,13 @@ class Statistics:
         sums["trajectories_lost"] += np.isfinite(lost_time).sum()
 
     def join(self, other: Statistics) -> Statistics:
-        """The statistics of these trajectories and of others, whose blocks have ended."""
+        """Return the statistics of the trajectories of both; all of their blocks are closed."""
         moments = {name: joined(self.moments[name], other.moments[name]) for name in self.moments}
         sums = {name: self.sums[name] + other.sums[name] for name in self.sums}
         return Statistics.of(self.plan, moments | sums)
 
     def dataset(self) -> xr.Dataset:
-        """The statistics as `tweezer.ensemble` describes them."""
+        """Return the statistics in the form that `tweezer.ensemble` describes."""
         plan = self.plan
         times = plan.times[:: plan.every]
         dataset = xr.Dataset(
@@ -280,6 +297,10 @@ class Statistics:
     def _put_moments(
         self, dataset: xr.Dataset, name: str, dimensions: tuple[str, str], unit: str
     ) -> None:
+        """Enter mean, variance, skewness and excess kurtosis of a quantity over the trajectories.
+
+        name, unit: of the quantity. dimensions: of each of these arrays.
+        """
         count, mean, m2, m3, m4 = self.moments[name]
         count, mean = np.where(count > 0, [count, mean], np.nan)
         variance, fourth = m2 / (count - 1), m4 / count
@@ -299,7 +320,11 @@ class Statistics:
         )  # fmt: skip
 
     def _put_averages(self, dataset: xr.Dataset) -> None:
-        """Mean and variance over all samples of the windows; errors from the scatter of windows."""
+        """Enter mean and variance of the position over all samples of the windows.
+
+        Errors are from the scatter of the windows. u, v, uv: means over windows of the window's
+        average of x, of x^2, and of their product; u2, v2: sums of squared deviations of u, v.
+        """
         count, (u, v, uv), (u2, v2, _) = self.moments["average"].swapaxes(1, 2)
         n = count[0]
         mean_error2 = u2 / (n - 1) / n
@@ -314,6 +339,7 @@ class Statistics:
              "variance of the position over trajectories and time", "windows")  # fmt: skip
 
     def _put_displacements(self, dataset: xr.Dataset) -> None:
+        """Enter mean-square displacement and spectrum, with errors from the scatter of windows."""
         plan = self.plan
         step = plan.times[1] - plan.times[0]
         frequency = np.fft.rfftfreq(plan.window, step)[1:]
@@ -328,10 +354,10 @@ class Statistics:
             _put(dataset, name, ("axis", dimension), mean, error, unit, long_name, "windows")
 
     def _put_histogram(self, dataset: xr.Dataset) -> None:
-        """Density by bins, from the first to the last that is not empty.
+        """Enter counts and density of the position by bins, from the first to the last in use.
 
-        The error is that of a ratio, from the scatter of the blocks (Cochran, Sampling Techniques,
-        2.11).
+        The error is the one of a ratio, counts over samples, from the scatter of the blocks
+        (Cochran, Sampling Techniques, 2.11).
         """
         sums, width = self.sums, 2 * self.plan.reach / _BINS
         filled = np.flatnonzero(sums["counts"].any(axis=1))
@@ -352,9 +378,10 @@ class Statistics:
 
 
 def _msd(position: Array, lags: NDArray[np.int64]) -> Array:
-    """Mean-square displacement (..., lags) within windows (..., samples).
+    """Return the mean-square displacement, (..., lags) m^2, in windows of positions (..., samples).
 
-    Over displacements that begin half a lag apart; more would add little.
+    lags: in samples. The mean is over displacements that begin half a lag apart; more of them
+    would overlap and add little.
     """
     displaced = np.empty((*position.shape[:-1], len(lags)))
     for j, lag in enumerate(lags):
@@ -365,7 +392,10 @@ def _msd(position: Array, lags: NDArray[np.int64]) -> Array:
 
 
 def _psd(position: Array, step: float) -> Array:
-    """One-sided periodogram (..., frequencies without 0) of windows (..., samples) of mean 0."""
+    """Return the one-sided power spectral density of windows of mean 0, m^2/Hz.
+
+    position: (..., samples) m; step: between samples, s. The result is (..., frequencies above 0).
+    """
     samples = position.shape[-1]
     amplitude = np.fft.rfft(position)[..., 1:]
     power = np.square(amplitude.real)
@@ -380,7 +410,10 @@ def _put(
     dataset: xr.Dataset, name: str, dimensions: tuple[str, ...], value: Array, error: Array,
     unit: str, long_name: str, over: str,
 ) -> None:  # fmt: skip
-    """Enter `value` and its `error`, which is from the scatter of the parts named by `over`."""
+    """Enter a quantity `name` and its standard error, `name`_error, in a dataset.
+
+    over: the independent parts from whose scatter the error is, such as "windows".
+    """
     dataset[name] = (dimensions, value, _about(unit, long_name))
     dataset[name].attrs["ancillary_variables"] = f"{name}_error"
     dataset[f"{name}_error"] = (dimensions, error, _about(unit, f"standard error: {long_name}"))
@@ -390,4 +423,5 @@ def _put(
 
 
 def _about(units: str, long_name: str) -> dict[str, str]:
+    """Return the attributes of a variable of a dataset."""
     return {"units": units, "long_name": long_name}

@@ -56,7 +56,11 @@ _TORN = re.compile(r"\d+\.[0-9a-f]+\.partial")
 
 
 def _begun(job: Job, bound: Walk, resume: bool) -> bool:
-    """Whether there is an ensemble at `job.out`. Raises `ResultError` unless it is this one."""
+    """Return whether an ensemble at `job.out` was begun before.
+
+    Raises `ResultError` if there is one that `resume` does not allow to continue, or of another
+    scene or other settings.
+    """
     made = _made(job)
     if made is None:
         return False
@@ -81,6 +85,7 @@ def _begun(job: Job, bound: Walk, resume: bool) -> bool:
 
 
 def _same_scene(made: object, scene: str) -> bool:
+    """Return whether two scenes, as JSON, are equal; False if `made` is not a scene."""
     if not isinstance(made, str):
         return False
     try:
@@ -90,7 +95,10 @@ def _same_scene(made: object, scene: str) -> bool:
 
 
 def _made(job: Job) -> Attributes | None:
-    """The attributes of the ensemble at `job.out`, or of the new one."""
+    """Return the attributes of an ensemble that was begun at `job.out`; None if there is none.
+
+    Raises `ResultError` for a file of another kind, or a damaged one.
+    """
     assert job.out is not None
     try:
         if job.out.exists():
@@ -109,7 +117,7 @@ def _made(job: Job) -> Attributes | None:
 
 @contextlib.contextmanager
 def at_work(job: Job, bound: Walk, resume: bool) -> Iterator[None]:
-    """Hold the folder beside the output, so that no other process uses it.
+    """Lock the folder beside the output while an ensemble is computed, so that no other uses it.
 
     Raises `ResultError` if one does, or if an ensemble at `job.out` is not to be resumed.
     """
@@ -128,13 +136,14 @@ def at_work(job: Job, bound: Walk, resume: bool) -> Iterator[None]:
 
 
 def keep(path: Path, arrays: Mapping[str, Any]) -> None:
-    """Write `arrays` to `path` as a whole or not at all."""
+    """Write arrays to an npz file, as a whole or not at all."""
     content = BytesIO()
     np.savez(content, **arrays)
     write_whole(path, content)
 
 
 def _read(path: Path) -> dict[str, Any]:
+    """Return the arrays of an npz file by name."""
     with path.open("rb") as opened, np.load(opened) as arrays:
         return dict(arrays)
 
@@ -154,7 +163,10 @@ def kept(job: Job, index: int, identity: str) -> dict[str, Any] | None:
 
 
 def stored(job: Job) -> Samples:
-    """The arrays of the store. Empty chunks are written too, so a missing one is an error."""
+    """Return the arrays of the Zarr store by name, opened to write.
+
+    Empty chunks are written too, so that a missing chunk is an error.
+    """
     return {
         name: array.with_config({"write_empty_chunks": True})
         for name, array in zarr.open_group(job.out, mode="r+", zarr_format=3).arrays()
@@ -175,12 +187,18 @@ def sums_of(begun: Mapping[str, Any] | None) -> dict[str, str]:
 
 
 def _described(arrays: Samples) -> dict[str, str]:
-    """Metadata of arrays by name: each in its own file, and all in that of the store."""
+    """Return the metadata of arrays by name, to compare two copies of them.
+
+    Zarr keeps them for each array in its own file, and for all in the file of the store.
+    """
     return {name: str(array.metadata.to_dict()) for name, array in arrays.items()}
 
 
 class Trajectories:
-    """Trajectories, in memory or in the store."""
+    """Output of an ensemble that keeps its trajectories, in memory or in a Zarr store.
+
+    `missing` lists the numbers of the blocks that are to be computed, `left` those not done yet.
+    """
 
     waiting = 0
     """number of finished blocks that wait for earlier ones"""
@@ -212,7 +230,10 @@ class Trajectories:
             self.left.discard(index)
 
     def finish(self, complete: bool) -> xr.Dataset:
-        """The result so far; if it is complete, the folder beside the store is removed."""
+        """Return the result so far; if it is complete, seal the store and remove its folder.
+
+        The folder beside the store has the checkpoints.
+        """
         job = self.job
         if job.out is None:
             dataset = xr.Dataset(
@@ -294,7 +315,7 @@ class Trajectories:
         return False
 
     def _filmed(self, index: int, window: int) -> bool:
-        """Whether the chunks of the frames that end in a window of a block are whole."""
+        """Return whether the chunks of camera frames that end in a window of a block are whole."""
         if SEEN not in self.arrays:
             return True
         first, end = self.job.cuts[window : window + 2]
@@ -308,12 +329,12 @@ class Trajectories:
         return found
 
     def _chunk(self, name: str, *at: int) -> Path:
-        """The file of a chunk."""
+        """Return the file of the chunk of an array at the chunk indices `at`."""
         assert self.job.out is not None
         return self.job.out / chunk_of(self.arrays, name, *at)
 
     def _whole(self, name: str, *at: int) -> bool:
-        """Return whether the file of a chunk has its uncompressed size and its checksum."""
+        """Return whether the file of a chunk has the size of its numbers and its checksum."""
         size = 8 * math.prod(self.arrays[name].chunks) + _CHECKSUM
         noted = self.sums.get(chunk_of(self.arrays, name, *at))
         path = self._chunk(name, *at)
@@ -323,7 +344,7 @@ class Trajectories:
             return False
 
     def _variables(self) -> Iterator[tuple[str, tuple[str, ...], tuple[int, ...], Attributes]]:
-        """Name, dimensions, shape and attributes of each array."""
+        """Yield name, dimensions, shape and attributes of each array of the result."""
         n, samples = self.job.trajectories, self.job.cuts[-1]
         for name in self.bound.shown.blocks:
             each = QUANTITIES[name]
@@ -343,7 +364,7 @@ class Trajectories:
         )  # fmt: skip
 
     def _coordinates(self) -> dict[str, tuple[str, NDArray[Any], Attributes]]:
-        """Dimension, values and attributes of each coordinate by name."""
+        """Return dimension, values and attributes of each coordinate by name."""
         about = {"units": "s", "long_name": "time since release"}
         found: dict[str, tuple[str, NDArray[Any], Attributes]] = {
             "time": ("time", self.bound.times, about)
@@ -360,7 +381,10 @@ class Trajectories:
         return found
 
     def _chunks(self, name: str, shape: tuple[int, ...]) -> tuple[int, ...]:
-        """Indices of a window of a block; of frames as many as end in a window on average."""
+        """Return the shape of the chunks of an array: a window of time of a block of trajectories.
+
+        A chunk of frames has as many as end in a window on average.
+        """
         window = self.job.cuts[1]
         if name == SEEN:
             window = -(-shape[1] // (len(self.job.cuts) - 1))
@@ -398,9 +422,13 @@ class Trajectories:
 
 
 class Joined:
-    """Statistics of the blocks, joined in order of their numbers."""
+    """Output of an ensemble that gathers statistics, joined block by block in order.
+
+    The order makes the result independent of the order in which workers finish.
+    """
 
     arrays = None
+    """no trajectories are kept, unlike `Trajectories.arrays`"""
 
     def __init__(self, job: Job, bound: Walk) -> None:
         self.job, self.attributes = job, attributes_of(job, bound)
@@ -443,7 +471,7 @@ class Joined:
                 self._write()
 
     def _of(self, index: int) -> Statistics:
-        """Statistics of a finished block."""
+        """Return the statistics of a finished block that waits, from memory or from its file."""
         gathered = self.later[index] or kept(self.job, index, self.identity)
         if gathered is None or not gathered["blocks"]:
             raise ResultError(
@@ -461,7 +489,10 @@ class Joined:
         self.written = blocks
 
     def finish(self, complete: bool) -> xr.Dataset:
-        """Statistics of all finished blocks, also beyond a gap; written if they are complete."""
+        """Return the statistics of all finished blocks, also of those that wait for earlier ones.
+
+        They are written to `job.out` if they are complete.
+        """
         job = self.job
         if job.out is not None and job.out.exists():
             dataset = load_result(job.out)
@@ -482,6 +513,7 @@ class Joined:
 
 
 def _ended(dataset: xr.Dataset, complete: bool, done: int) -> xr.Dataset:
+    """Return a result with its status; done: number of finished trajectories."""
     return dataset.assign_attrs(
         status="complete" if complete else "interrupted", trajectories_done=done
     )

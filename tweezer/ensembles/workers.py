@@ -51,21 +51,22 @@ _KEPT_STEPS = 2**31
 
 @dataclass(frozen=True)
 class Pool:
-    """Workers that compute blocks."""
+    """Workers that compute blocks: functions to begin blocks and to stop them."""
 
     submit: Callable[[int, Samples | None, dict[int, float]], Future[Gathered | None]]
-    """begin a block, with the output for threads and the callback for progress"""
+    """begins a block of that number; threads write to the given arrays, and enter the block's
+    finished part, of the ensemble, in the dictionary"""
     width: Callable[[], int]
-    """number of blocks computed at a time"""
+    """returns the number of blocks computed at a time"""
     stop: Callable[[], None]
-    """ask the blocks to end soon, unfinished"""
+    """asks the blocks to end soon, unfinished"""
     patience: float | None = None
-    """wait for that, s; None for no limit"""
+    """longest time to wait until they have stopped, s; None for no limit"""
 
 
 @contextlib.contextmanager
 def threads(job: Job, bound: Walk, workers: int) -> Iterator[Pool]:
-    """Threads of this process."""
+    """Provide a pool of `workers` threads of this process; bound: the walk of the scene."""
     stopped = threading.Event()
     with ThreadPoolExecutor(workers) as executor:
         yield Pool(
@@ -79,7 +80,10 @@ def threads(job: Job, bound: Walk, workers: int) -> Iterator[Pool]:
 
 @contextlib.contextmanager
 def cluster(job: Job, scheduler: str | Client) -> Iterator[Pool]:
-    """The workers of a Dask scheduler."""
+    """Provide a pool of the workers of a Dask scheduler, given by its address or client.
+
+    They stop when a file in the folder of the ensemble is removed, which all of them see.
+    """
     with contextlib.ExitStack() as stack:
         client = stack.enter_context(client_of(scheduler))
         from distributed import KilledWorker
@@ -108,9 +112,10 @@ def cluster(job: Job, scheduler: str | Client) -> Iterator[Pool]:
 
 
 def _block_there(job: Job, run: Path, index: int) -> Gathered | None:
-    """`_block` in another process, which stops when the file `run` is gone.
+    """Compute a block in another process, by `_block`, which stops when the file `run` is gone.
 
-    The statistics stay in the file of the block and do not pass through the scheduler.
+    Raises `TweezerError` if this process would compute other numbers. The statistics stay in the
+    file of the block and do not pass through the scheduler.
     """
     bound = _bound(job.scene, job.seed)
     for key, value in found_of(bound).items():
@@ -125,6 +130,7 @@ def _block_there(job: Job, run: Path, index: int) -> Gathered | None:
 
 @functools.lru_cache(maxsize=2)
 def _bound(scene: str, seed: int) -> Walk:
+    """Return the walk of a scene (JSON) in a worker; it is kept for the next block."""
     return walk(Scene.model_validate_json(scene), seed)
 
 
@@ -134,9 +140,13 @@ class _Output:
 
     job: Job
     index: int
+    """number of the block"""
     bound: Walk
+    """the equations of motion and the times of samples"""
     identity: str
+    """digest of what the ensemble depends on, which checkpoints must share"""
     arrays: Samples | None
+    """arrays of trajectories to write to; None for statistics"""
     sums: dict[str, str]
     """checksums of the chunks that are written, by their names"""
     written: int
@@ -150,12 +160,13 @@ class _Output:
         return self.job.members(self.index)
 
     def _note(self, name: str, *at: int) -> None:
+        """Note the checksum of a chunk of an array that was written, at the chunk indices `at`."""
         if self.job.out is not None and self.arrays is not None:
             chunk = chunk_of(self.arrays, name, *at)
             self.sums[chunk] = checksum(self.job.out / chunk)
 
     def write_frames(self) -> None:
-        """Write the frames that ended."""
+        """Write the camera frames that ended since the last call."""
         if not self.frames or self.arrays is None:
             return
         seen = np.concatenate(self.frames, axis=1)
@@ -171,7 +182,10 @@ class _Output:
                 self._note(SEEN, self.index, chunk, 0)
 
     def write_window(self, window: int, samples: Array, lost: Array) -> None:
-        """Write the samples of a window, and after the last one the times of loss (n,), s."""
+        """Write the samples of a window, and after the last one the times of loss.
+
+        samples: (trajectories, samples, columns). lost: (trajectories,) s, infinite without a loss.
+        """
         if self.arrays is None:
             return
         first, end = self.job.cuts[window : window + 2]
@@ -187,7 +201,11 @@ class _Output:
     def keep(
         self, window: int, states: Array, samples: Array, statistics: Statistics | None
     ) -> None:
-        """Write the checkpoint of a block within a window."""
+        """Write the checkpoint of a block within a window.
+
+        window: its number. states: of the walk, with which it continues. samples: of the window so
+        far, (trajectories, samples, columns). statistics: so far, if they are gathered.
+        """
         if self.job.out is None:
             return
         begun = {
@@ -208,7 +226,9 @@ def _block(
 ) -> Gathered | None:
     """Compute a block from its checkpoint on; returns its statistics, or None if `stopped`.
 
-    parts: called with each finished part of this block, as a part of the ensemble.
+    index: number of the block. arrays: of trajectories, to write to; None for statistics and in
+    another process, which opens the store. stopped: returns whether the block is to end soon.
+    parts: gets the finished part of this block, as a part of the ensemble, under its number.
     """
     if stopped():
         return None
@@ -273,9 +293,11 @@ def _advance(
     *,
     filmed: bool,
 ) -> Iterator[tuple[int, Array, Array]]:
-    """Samples `first` to `end` in pieces: number of the first, (trajectories, n, columns).
+    """Compute the samples from number `first` to before `end`, and yield them in pieces.
 
-    And the frames of a camera that end meanwhile, (trajectories, frames, axes), if they are asked.
+    A piece is the number of its first sample, the samples (trajectories, n, columns), and if
+    `filmed` the frames of a camera that end meanwhile, (trajectories, frames, axes). states: of
+    the walk, which are advanced. trajectories: their numbers, from which the noise follows.
     """
     n, width = len(trajectories), bound.shown.width
     if first == 0:
@@ -292,7 +314,10 @@ def _advance(
 
 
 def _in_the_body(bound: Walk, samples: Array) -> Array:
-    """`samples` (..., columns) of a walk, with the angular velocity about the body's axes."""
+    """Return samples (..., columns) of a walk, with the angular velocity about the body's axes.
+
+    It is changed in place from the form that the walk integrates. NaN after a loss remain.
+    """
     held = ~np.isnan(samples[..., POSITION.start])
     if "angular_velocity" in bound.shown and held.any():
         columns = bound.shown.at("angular_velocity")

@@ -43,16 +43,18 @@ class Varied(NamedTuple):
     key: str
     values: tuple[Value, ...]
     unit: str
-    """"" if the key is no quantity, or one without a unit"""
+    """SI unit of the values; "" for a key that is not a quantity with a unit"""
     about: str
-    """its description"""
+    """description of the key"""
 
 
 class Axis(NamedTuple):
     """A dimension of the result: one key, or the keys of a table, which vary together."""
 
     name: str
+    """of the dimension: the key, or `CASE` for a table"""
     varied: tuple[Varied, ...]
+    """the keys along this dimension, with equally many values"""
 
     @property
     def size(self) -> int:
@@ -77,7 +79,10 @@ class Cases:
         return math.prod(self.shape)
 
     def settings(self, index: int) -> dict[str, str]:
-        """Keys and values of a case, as `tweezer.scene.with_settings` takes them."""
+        """Return keys and values of a case, in the form for `tweezer.scene.with_settings`.
+
+        index: number of the case, which counts all combinations.
+        """
         places = np.unravel_index(index, self.shape)
         return {
             each.key: _as_setting(each.values[place])
@@ -86,7 +91,7 @@ class Cases:
         }
 
     def by_light(self) -> list[list[int]]:
-        """The cases, in groups that differ in the power of their light alone."""
+        """Return the numbers of the cases in groups that differ in the power of light alone."""
         numbers = np.arange(self.count).reshape(self.shape)
         powers = [
             i for i, axis in enumerate(self.axes) if all(map(_is_a_power, axis.varied))
@@ -98,18 +103,20 @@ class Cases:
         return groups
 
     def describe(self) -> dict[str, dict[str, list[Value]]]:
-        """The values by dimension and key."""
+        """Return the values by dimension and key."""
         return {
             axis.name: {each.key: list(each.values) for each in axis.varied} for axis in self.axes
         }
 
 
 def _is_a_power(each: Varied) -> bool:
+    """Return whether a key is the power of a beam, to which the force is proportional."""
     section, _, key = each.key.partition(".")
     return section.startswith("beam") and key in _POWERS
 
 
 def _as_setting(value: Value) -> str:
+    """Return a value as text that `tweezer.scene.with_settings` reads as the same value."""
     return value if isinstance(value, str) else repr(value)
 
 
@@ -117,9 +124,10 @@ def cases_of(
     over: Mapping[str, Any] | pd.DataFrame | xr.Dataset | None,
     table: str | Path | Mapping[str, Any] | pd.DataFrame | xr.Dataset | None,
 ) -> Cases:
-    """The cases of keys with their values, of a table of cases, or of both together.
+    """Return the cases of a sweep, of which every combination is computed.
 
-    Raises `SceneError` for keys that no scene has, and values that are none.
+    over: keys with their values; table: keys that vary together, row by row. Raises `SceneError`
+    for keys that no scene has, and values that are none.
     """
     if hasattr(over, "columns") or hasattr(over, "data_vars"):
         if table is not None:
@@ -146,9 +154,10 @@ def cases_of(
 
 
 def read_over(texts: Iterable[str]) -> dict[str, list[Any]]:
-    """Keys and values of texts "KEY=FROM..TO:COUNT", "KEY=FROM..TO:COUNT:log" or "KEY=a,b,c".
+    """Return keys and their values from texts such as "KEY=FROM..TO:COUNT" or "KEY=a,b,c".
 
-    A range holds both its ends; with log the ratio of neighbours is the same. Raises `SceneError`.
+    A range contains both its ends; "KEY=FROM..TO:COUNT:log" has equal ratios of neighbours. Raises
+    `SceneError` for other texts.
     """
     over: dict[str, list[Any]] = {}
     for text in texts:
@@ -164,6 +173,10 @@ def read_over(texts: Iterable[str]) -> dict[str, list[Any]]:
 
 
 def _range(key: str, text: str) -> list[Any]:
+    """Return the values of a range "FROM..TO:COUNT" or "FROM..TO:COUNT:log" of a key.
+
+    They are texts with the key's unit if the ends have one. Raises `SceneError` for other texts.
+    """
     match = _RANGE.fullmatch(text)
     if len(_split(text)) > 1:
         raise SceneError(f"over {key} = {text}: must be a list or a range, not both")
@@ -192,7 +205,7 @@ def _range(key: str, text: str) -> list[Any]:
 
 
 def _bare(text: str) -> bool:
-    """Whether it is a number without a unit."""
+    """Return whether a text is a number without a unit."""
     try:
         float(text)
     except ValueError:
@@ -201,6 +214,10 @@ def _bare(text: str) -> bool:
 
 
 def _number(key: str, text: str, quantity: Quantity | None) -> float:
+    """Return an end of a range in SI; quantity: of the key, None without one.
+
+    Raises `SceneError` if it is not a number.
+    """
     try:
         value = _in_si(text, quantity)
     except ValueError as error:
@@ -211,7 +228,7 @@ def _number(key: str, text: str, quantity: Quantity | None) -> float:
 
 
 def _split(text: str) -> list[str]:
-    """The values of a list with commas; commas within brackets belong to a value."""
+    """Return the values of a list with commas; commas within brackets belong to a value."""
     values, depth = [""], 0
     for letter in text:
         depth += (letter in "[{") - (letter in "]}")
@@ -223,7 +240,10 @@ def _split(text: str) -> list[str]:
 
 
 def _varied(key: Any, given: Any) -> Varied:
-    """A key with its values in SI. Raises `SceneError` for values that are none."""
+    """Return a key with its given values in SI; raises `SceneError` for invalid ones.
+
+    Values of several kinds become texts, as an array has one type.
+    """
     quantity, about = described_at(str(key))
     given = listed(given)
     single = isinstance(given, str) or getattr(given, "ndim", 1) == 0
@@ -252,7 +272,7 @@ def _varied(key: Any, given: Any) -> Varied:
 
 
 def _apart(varied: Varied) -> Varied:
-    """The same; raises `SceneError` if one of the values is there twice."""
+    """Return the key and its values unchanged; raises `SceneError` if a value occurs twice."""
     seen: set[Value] = set()
     for value in varied.values:
         if value in seen:
@@ -262,7 +282,10 @@ def _apart(varied: Varied) -> Varied:
 
 
 def _in_si(given: Any, quantity: Quantity | None) -> Value:
-    """A value as the result has it. Raises `ValueError` for a quantity that is none."""
+    """Return a given value in SI, as the result of the sweep has it.
+
+    quantity: of the key, None for one without a unit. Raises `ValueError` for an invalid value.
+    """
     if isinstance(given, str) and given.startswith(("{", "[") if quantity is None else "{"):
         return given  # it is read where the scene is
     if isinstance(given, str):
@@ -281,7 +304,7 @@ def _in_si(given: Any, quantity: Quantity | None) -> Value:
 
 
 def _vector_in_si(given: Sequence[Any], quantity: Quantity) -> list[Any]:
-    """A vector, or a list of them, in SI. Raises `ValueError` for an entry that is no quantity."""
+    """Return a vector, or a list of vectors, in SI; raises `ValueError` for an invalid entry."""
     return [
         _vector_in_si(each, quantity)
         if isinstance(each, list | tuple)

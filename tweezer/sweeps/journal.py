@@ -26,10 +26,10 @@ _BEGINNING = re.compile(r"[0-9a-f]{1,8}($| ($|\{))")
 
 
 class Journal:
-    """What of a sweep is done: in memory, and in OUT.part if it has an output.
+    """The finished cases of a sweep, in memory and, if it has an output, in the folder OUT.part.
 
-    The first line of the file says what is computed; each other line is a case. Before each stands
-    its checksum: from a damaged line on, cases are computed again.
+    The first line of the file identifies the sweep; each further line is a case with its values.
+    Each line begins with its checksum: from a damaged line on, cases are computed again.
     """
 
     def __init__(self, out: Path | None, identity: Mapping[str, Any], *, resume: bool) -> None:
@@ -57,7 +57,10 @@ class Journal:
                 self._write(dict(identity))
 
     def _read(self, text: str, identity: Mapping[str, Any]) -> int:
-        """Take the whole lines of a journal; returns how many bytes they have."""
+        """Read the cases of a journal up to a damaged line; returns the bytes before that.
+
+        identity: of the sweep; raises `ResultError` if the journal belongs to another one.
+        """
         assert self._out is not None
         kept = 0
         for number, line in enumerate(text.splitlines(keepends=True)):
@@ -81,6 +84,7 @@ class Journal:
                 self._write([case, values])
 
     def _write(self, found: Any) -> None:
+        """Append a line to the file: a checksum, and `found` as JSON."""
         assert self._file is not None
         line = to_text(found) + "\n"
         self._file.write(f"{_checksum(line)} {line}")
@@ -88,7 +92,7 @@ class Journal:
 
     @property
     def new(self) -> Path:
-        """Where the store is written before it takes its name."""
+        """Temporary name of the store while it is written."""
         return self._part.new()
 
     def close(self) -> None:
@@ -118,11 +122,15 @@ def _text(out: Path, path: Path) -> str:
 
 
 def _checksum(line: str) -> str:
+    """Return the CRC-32 of a line, as eight hexadecimal digits."""
     return f"{zlib.crc32(line.encode()):08x}"
 
 
 def check_same(out: Path, made: Mapping[str, Any], asked: Mapping[str, Any]) -> None:
-    """Raises `ResultError` unless what was made is what is asked."""
+    """Raise `ResultError` unless the attributes of an existing sweep are those of the asked one.
+
+    out: its file, for the message. made, asked: attributes of both.
+    """
     for key, value in asked.items():
         if key in FORMAL:  # the scene has the same in numbers
             continue
@@ -137,6 +145,7 @@ def check_same(out: Path, made: Mapping[str, Any], asked: Mapping[str, Any]) -> 
 
 
 def _same_scene(made: object, asked: str) -> bool:
+    """Return whether two scenes, as JSON, are equal; False if `made` is not a scene."""
     try:
         return isinstance(made, str) and (
             Scene.model_validate_json(made) == Scene.model_validate_json(asked)

@@ -27,7 +27,7 @@ from tweezer.values.version import versions
 if TYPE_CHECKING:
     from distributed import Client
 
-#: A case and what became of it
+#: Number of a case, and its values
 Done = tuple[int, Values]
 #: Cases that one worker computes one after the other: their numbers and settings
 Task = list[tuple[int, dict[str, str]]]
@@ -45,9 +45,11 @@ _AHEAD = 2
 
 
 def tasks_of(cases: Cases, of: str, left: set[int], workers: int) -> list[Task]:
-    """The cases that are `left`, in tasks; those of a trap keep to a light.
+    """Return the cases that are `left` in tasks, the longest first.
 
-    Its force, but for a factor, is then computed once for all its powers.
+    of: what is computed. A task of traps has cases that differ in the power of their light alone:
+    the force is then computed once but for a factor. Other tasks are one case each. workers: their
+    number, by which the size of tasks is chosen.
     """
     size = 1
     if of == "trap":
@@ -64,27 +66,30 @@ def tasks_of(cases: Cases, of: str, left: set[int], workers: int) -> list[Task]:
 
 
 def _bead_size(task: Task) -> float:
-    """Size of the bead, if the sweep is over it: larger ones take longer."""
+    """Return the bead size of a task, m; 0 if all cases share it. Larger beads take longer."""
     _, settings = task[0]
     return max(float(settings.get(key, 0.0)) for key in _SIZES)
 
 
 def cores() -> int:
-    """Number of cores that this process may use."""
+    """Return the number of cores that this process may use."""
     with contextlib.suppress(AttributeError):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 def here(asked: Asked, tasks: list[Task]) -> Generator[Done, None, None]:
-    """Compute in this process."""
+    """Compute the cases in this process, and yield each with its values."""
     for task in tasks:
         for case, settings in task:
             yield case, asked.compute(settings)
 
 
 def processes(asked: Asked, tasks: list[Task], workers: int) -> Generator[Done, None, None]:
-    """Compute in processes of this machine, which end when this one does."""
+    """Compute the cases in `workers` processes of this machine, and yield each with its values.
+
+    The processes end when this one does.
+    """
     queue, results = deque(tasks), SimpleQueue[Done | BaseException | None]()
     keepers = [_Keeper(asked, queue, results) for _ in range(min(workers, len(tasks)))]
     try:
@@ -106,7 +111,10 @@ def processes(asked: Asked, tasks: list[Task], workers: int) -> Generator[Done, 
 
 
 class _Keeper:
-    """A thread that hands tasks to a process; one that dies is replaced."""
+    """A thread that hands tasks to one process, and replaces the process if it dies.
+
+    Results, or the exception that ends the thread, go to a queue; None is its last entry.
+    """
 
     def __init__(
         self,
@@ -121,7 +129,7 @@ class _Keeper:
         self.thread = threading.Thread(target=self._run, daemon=True)
 
     def stop(self) -> None:
-        """End the process, whatever it does."""
+        """Kill the process, even in the middle of a case, and wait for the thread."""
         with self.changing:
             self.stopped = True
             if self.process is not None:
@@ -130,6 +138,7 @@ class _Keeper:
             self.thread.join()
 
     def _run(self) -> None:
+        """Hand tasks to the process until none is left: the body of the thread."""
         try:
             while not self.stopped:
                 try:
@@ -163,7 +172,7 @@ class _Keeper:
             self._end()
 
     def _computed(self, task: Task) -> Iterator[Done]:
-        """What the process says of a task, up to the end or to its death."""
+        """Yield the cases of a task as the process computes them, until it ends or dies."""
         with self.changing:
             if self.stopped:
                 return
@@ -183,6 +192,7 @@ class _Keeper:
                 yield case, values
 
     def _end(self) -> None:
+        """Kill the process, if there is one, and close its pipes."""
         process, self.process = self.process, None
         if process is None:
             return
@@ -195,7 +205,7 @@ class _Keeper:
 
 
 def _process(asked: Asked) -> subprocess.Popen[str]:
-    """A process that runs `serve`; it ends when its standard input does."""
+    """Start a process that runs `serve` for a sweep; it ends when its standard input is closed."""
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
     process = subprocess.Popen(
         [sys.executable, "-P", "-W", "ignore", "-c",
@@ -210,12 +220,16 @@ def _process(asked: Asked) -> subprocess.Popen[str]:
 
 
 def serve() -> None:
-    """Compute the tasks that standard input has a line for, each case to a line of output."""
+    """Compute tasks in a process of its own: one task for each line of standard input, as JSON.
+
+    The first line is the `Asked` of the sweep. Each case with its values is a line of output.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that began this one ends it
     logging.disable(logging.WARNING)  # each process would tell that it compiles
     first = sys.stdin.readline()
     if not first:  # the process that began this one has ended
         return
+    # answers have the standard output to themselves: what else is printed goes to standard error
     answers: IO[str] = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     asked = Asked(**json.loads(first))
@@ -227,7 +241,7 @@ def serve() -> None:
 
 
 def cluster(asked: Asked, tasks: list[Task], client: Client) -> Generator[Done, None, None]:
-    """Compute on the workers of a Dask scheduler."""
+    """Compute the cases on the workers of a Dask scheduler, and yield each with its values."""
     from distributed import KilledWorker
 
     executor, ours = client.get_executor(pure=False), versions()
@@ -250,7 +264,11 @@ def cluster(asked: Asked, tasks: list[Task], client: Client) -> Generator[Done, 
 
 
 def _there(asked: Asked, ours: dict[str, str], task: Task) -> list[Done]:
-    """Compute a task on a worker. Raises `TweezerError` if it has other versions."""
+    """Compute a task on a worker of a cluster, and return its cases with their values.
+
+    ours: versions in the process that began the sweep; raises `TweezerError` if the worker's
+    differ.
+    """
     for key, value in versions().items():
         if value != ours[key]:
             raise TweezerError(

@@ -25,7 +25,7 @@ from tweezer.values.measured import Quantity, Result
 #: Values of a case by name: numbers, or lists of them along a dimension
 Values = dict[str, Any]
 
-#: Words of a case that was not finished, and of one that was not begun
+#: Outcomes of a case that failed, and of one that was not computed
 FAILED, MISSING = "failed", "not computed"
 _OF: dict[str, tuple[Quantity, ...]] = {
     "trap": trap.QUANTITIES,
@@ -37,7 +37,7 @@ _OF: dict[str, tuple[Quantity, ...]] = {
     ),
     "calibrate": calibration.QUANTITIES,
 }
-#: By the name of what is swept, and by their own; energies are in k_B T
+#: Quantities by kind of sweep and by their name; energies are in k_B T
 QUANTITIES = {
     of: {each.name: each.in_kT for each in every if each.swept} for of, every in _OF.items()
 }
@@ -50,9 +50,9 @@ def quantities_of(of: str) -> dict[str, Quantity]:
     return QUANTITIES[of]
 
 
-#: Arguments that only some sweeps use: of each its value if it is not given
+#: Arguments that only some sweeps use, with their values if they are not given
 _DEFAULTS: dict[str, Any] = {"trajectories": 100, "seed": 0, "skip": 0.0}
-#: Those that a sweep of each kind uses
+#: Names of these arguments that a sweep of each kind uses
 USED: dict[str, tuple[str, ...]] = {
     "trap": (), "run": ("seed",), "ensemble": ("seed", "trajectories", "skip"),
     "calibrate": ("seed", "skip"),
@@ -61,13 +61,14 @@ USED: dict[str, tuple[str, ...]] = {
 
 @dataclasses.dataclass(frozen=True)
 class Asked:
-    """What is asked of every case."""
+    """The computation that a sweep does for every case, in a form that other processes get."""
 
     scene: str
     """JSON of the scene that the cases change"""
     of: str
+    """kind of the sweep, one of `SWEPT`"""
     trajectories: int
-    """of an ensemble"""
+    """number of trajectories of an ensemble"""
     seed: int
     """of thermal motion, the same in every case"""
     skip: float
@@ -75,10 +76,10 @@ class Asked:
     forces: tuple[Force | str, ...] = ()
     """beside those of the scene; those named by files can be read in another process"""
     forces_from: str = ""
-    """the files of these and their digests"""
+    """the files of these forces with their digests; "" if one of the forces is an object"""
 
     def case(self, settings: Mapping[str, str]) -> Scene:
-        """The scene of a case. Raises `SceneError` if it is none."""
+        """Return the scene of a case; raises `SceneError` if its settings are invalid."""
         return with_settings(self._scene, settings)
 
     @functools.cached_property
@@ -86,7 +87,7 @@ class Asked:
         return Scene.model_validate_json(self.scene)
 
     def check(self, scene: Scene) -> None:
-        """Raises `SceneError` for a scene, or arguments, of which it cannot be computed."""
+        """Raise `SceneError` if this cannot be computed for a scene, or with these arguments."""
         if self.of == "ensemble":
             check_ensemble(
                 scene, self.trajectories, seed=self.seed, out=None, statistics=True,
@@ -107,7 +108,7 @@ class Asked:
         return found
 
     def compute(self, settings: Mapping[str, str]) -> Values:
-        """What becomes of a case: its outcome, in a word, and values; or why it failed."""
+        """Compute a case, and return its outcome and values; or that it failed, and why."""
         try:
             with warnings.catch_warnings(action="ignore"):
                 scene = self.case(settings)
@@ -121,6 +122,7 @@ class Asked:
 
 
 def _of_trap(scene: Scene, asked: Asked) -> Values:
+    """Characterise the trap of a scene, and return its values."""
     from tweezer.trap import characterise
 
     found = characterise(scene, forces=asked.own)
@@ -129,7 +131,10 @@ def _of_trap(scene: Scene, asked: Asked) -> Values:
 
 
 def values_of(result: Result, temperature: float) -> Values:
-    """The values of a result with their errors, energies in k_B T, and its outcome in words."""
+    """Return the values of a result with their errors, and its outcome in words.
+
+    Energies are in k_B T at `temperature`, K.
+    """
     values: Values = {}
     for each in result.quantities():
         if each.of.swept:
@@ -141,6 +146,7 @@ def values_of(result: Result, temperature: float) -> Values:
 
 
 def _of_run(scene: Scene, asked: Asked) -> Values:
+    """Simulate the bead of a scene, and return the values of the summary of its run."""
     from tweezer.runs import summarise
     from tweezer.runs.simulation import simulate
 
@@ -153,6 +159,7 @@ def _of_run(scene: Scene, asked: Asked) -> Values:
 
 
 def _of_ensemble(scene: Scene, asked: Asked) -> Values:
+    """Compute the statistics of an ensemble, and return the lost part and the moments."""
     from tweezer.ensembles import ensemble
     from tweezer.ensembles.statistics import error_of_part
 
@@ -175,6 +182,7 @@ def _of_ensemble(scene: Scene, asked: Asked) -> Values:
 
 
 def _of_calibration(scene: Scene, asked: Asked) -> Values:
+    """Simulate the bead of a scene, calibrate the trap from its run, and return the values."""
     from tweezer.calibration import calibrate
     from tweezer.reading import load_recording
     from tweezer.runs.simulation import simulate
@@ -195,9 +203,10 @@ _COMPUTED: dict[str, Callable[[Scene, Asked], Values]] = {
 
 
 def asked_of(scene: Scene, of: str, forces: Sequence[Force | str] = (), **given: Any) -> Asked:
-    """What is asked by arguments of `USED`; None for one that is not given.
+    """Return the computation of a sweep of the kind `of`.
 
-    Raises `SceneError` unless `of` is one of `SWEPT`, and for an argument that it does not use.
+    given: arguments named in `USED`; None for one that is not given. Raises `SceneError` unless
+    `of` is one of `SWEPT`, and for an argument that it does not use.
     """
     if of not in SWEPT:
         raise SceneError(f"of = {of!r}: allowed: {', '.join(SWEPT)}")
@@ -215,5 +224,5 @@ def asked_of(scene: Scene, of: str, forces: Sequence[Force | str] = (), **given:
 
 
 def to_text(found: Any) -> str:
-    """A line of JSON; its numbers are read back as they were, NaN too."""
+    """Return values as a line of JSON, from which numbers are read back exactly, also NaN."""
     return json.dumps(found, separators=(",", ":"))

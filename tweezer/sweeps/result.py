@@ -21,20 +21,24 @@ from tweezer.values.stores import checksums, seal
 if TYPE_CHECKING:
     import xarray as xr
 
-#: About what is said of every case in words
+#: Descriptions of the variables of every case that are words
 _WORDS = {
     "outcome": "what becomes of the bead, or of the case",
     "reason": "why a case failed, or where no trap was found",
     "caveat": "what speaks against the numbers of a case",
 }
-#: What the names along a dimension are
+#: Descriptions of the dimensions that a quantity may have
 _ALONG = {"axis": "axis, z along the light", "direction": "direction of the way out"}
 
 
 def dataset_of(
     cases: Cases, of: str, done: Mapping[int, Values], attributes: Mapping[str, str]
 ) -> xr.Dataset:
-    """The cases that are done, in their order; the others are marked."""
+    """Return the result of a sweep as a dataset, in the order of its cases.
+
+    of: kind of the sweep. done: values of the finished cases by number; the others have the outcome
+    "not computed" and NaN. attributes: of the dataset.
+    """
     import xarray as xr
 
     names = [axis.name for axis in cases.axes]
@@ -80,7 +84,10 @@ def dataset_of(
 
 
 def write(dataset: xr.Dataset, new: Path, out: Path) -> None:
-    """Write the store as a whole or not at all; every chunk has a checksum."""
+    """Write a dataset to the Zarr store `out` as a whole or not at all, with checksums of chunks.
+
+    It is written under the name `new` first.
+    """
     from zarr.codecs import Crc32cCodec, ZstdCodec
 
     encoding = {name: {"compressors": [ZstdCodec(), Crc32cCodec()]} for name in dataset.variables}

@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     import xarray as xr
     from distributed import Client
 
-#: Cases as they are finished
+#: Numbers and values of cases, as they are finished
 Results = Generator[Done, None, None]
-#: What computes the cases
+#: Function that computes the cases: `here`, `processes` or `cluster`
 Computing = Callable[..., Results]
 
 #: Version of the files; those of another version cannot be resumed
@@ -170,7 +170,10 @@ def sweep(
 def _record(
     results: Results, journal: Journal, count: int, progress: Callable[[float], None] | None
 ) -> None:
-    """Take each case as it comes; an interruption ends those that compute."""
+    """Record each case in the journal as it is finished, and report the finished fraction.
+
+    count: number of all cases. An interruption closes `results`, which stops the workers.
+    """
     with contextlib.closing(results):
         for case, values in results:
             journal.take(case, values)
@@ -179,7 +182,7 @@ def _record(
 
 
 def _attributes(asked: Asked, grid: Cases, scene: Scene) -> dict[str, str]:
-    """What the result says of itself, and what it is known by when it is resumed."""
+    """Return the attributes of the result, by which a sweep to be resumed is recognised."""
     used = {
         "seed": str(asked.seed),
         "trajectories": str(asked.trajectories),
@@ -199,7 +202,10 @@ def _attributes(asked: Asked, grid: Cases, scene: Scene) -> dict[str, str]:
 
 
 def _finished(path: Path, attributes: Mapping[str, str], *, resume: bool) -> xr.Dataset:
-    """The sweep that is there already. Raises `ResultError` unless it is this one."""
+    """Return the finished sweep at `path`, whose journal is removed.
+
+    Raises `ResultError` unless it is the same sweep and may be resumed.
+    """
     if not resume:
         raise ResultError(f"{path}: already exists; resume it or choose another file")
     dataset = read(path)
@@ -209,7 +215,7 @@ def _finished(path: Path, attributes: Mapping[str, str], *, resume: bool) -> xr.
 
 
 def _check_some_case(asked: Asked, grid: Cases) -> None:
-    """Raises the `SceneError` of the first case if no case is valid."""
+    """Raise the `SceneError` of the first case if no case of the sweep is valid."""
     first = None
     for case in range(grid.count):
         try:
@@ -237,6 +243,7 @@ def _workers_of(asked: Asked, workers: int | None, scheduler: object, out: objec
 
 
 def _workers(workers: int | None, scheduler: object) -> int:
+    """Return the number of processes: as given, or one for each core. Raises `SceneError`."""
     if workers is None:
         return cores()
     if scheduler is not None:
