@@ -28,8 +28,7 @@ def in_si(
     high: float = math.inf,
     error: type[TweezerError] = SceneError,
 ) -> float:
-    """The argument of that name in its SI unit, from `low` to `high`: see
-    `tweezer.values.units.to_si`.
+    """Return an argument in its SI unit, from `low` to `high`; see `tweezer.values.units.to_si`.
 
     Raises `error`, which names the argument.
     """
@@ -50,13 +49,13 @@ def numbers_in_si(
 
 
 def check_seed(seed: int) -> None:
-    """Raises `SceneError` unless it is a seed of thermal motion."""
+    """Raise `SceneError` unless `seed` is a valid seed of random numbers."""
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
         raise SceneError(f"seed = {seed!r}: must be a whole number from 0 to 2^63 - 1")
 
 
 def check_run(scene: Scene, seed: int | None) -> None:
-    """Raises `SceneError` for a seed that is none, or is given where nothing is drawn."""
+    """Raise `SceneError` for an invalid seed, or one for a run that draws no random numbers."""
     if seed is None:
         return
     if not scene.draws:
@@ -65,7 +64,7 @@ def check_run(scene: Scene, seed: int | None) -> None:
 
 
 def check_thermal(scene: Scene, seed: int) -> None:
-    """Raises `SceneError` for a scene without thermal motion, and a seed that is none."""
+    """Raise `SceneError` for a scene without thermal motion, or an invalid seed."""
     if not scene.forces.brownian:
         raise SceneError("forces.brownian = False: all trajectories would be equal; set it to true")
     check_seed(seed)
@@ -82,7 +81,7 @@ def check_ensemble(
     scheduler: str | Client | None,
     workers: int | None,
 ) -> None:
-    """Raises `SceneError` or `ResultError` for arguments of `tweezer.ensemble` that are none."""
+    """Raise `SceneError` or `ResultError` for invalid arguments of `tweezer.ensemble`."""
     for name, value in (
         ("trajectories", trajectories),
         ("workers", 1 if workers is None else workers),
@@ -102,7 +101,10 @@ def check_ensemble(
 
 
 def samples_skipped(scene: Scene, skip: QuantityLike) -> int:
-    """The first sample not before `skip`, s or text. Raises `SceneError` if hardly one is left."""
+    """Return the index of the first sample not before `skip`, in s or text.
+
+    Raises `SceneError` if fewer than two samples are left.
+    """
     import numpy as np
 
     seconds = in_si("skip", skip, "s", 0.0)
@@ -115,11 +117,12 @@ def samples_skipped(scene: Scene, skip: QuantityLike) -> int:
 
 
 def name_last(record: Any) -> Any:
-    """Let a dataclass with the keyword `name` take it as its first argument too: the old order."""
+    """Let a dataclass with the keyword `name` also take the name first, as earlier releases did."""
     made = record.__init__
 
     @functools.wraps(made)
     def init(self: Any, *given: Any, **named: Any) -> None:
+        """Initialise the dataclass; a text as the first argument is its name, with a warning."""
         if given and isinstance(given[0], str):
             kind = record.__name__
             warn(

@@ -13,25 +13,25 @@ from tweezer.values.shown import Card, Row, Shown
 
 @dataclass(frozen=True, repr=False)
 class BeadProperties(Shown):
-    """Numbers that enter the equations of motion, SI."""
+    """Numbers of the bead that enter the equations of motion, in SI units."""
 
     mass: float
-    """m, kg"""
+    """mass m, kg"""
     displaced_mass: float
-    """m_f, of the fluid in the place of the bead, kg"""
+    """mass m_f of the fluid that the bead displaces, kg"""
     moments_of_inertia: tuple[float, float, float]
-    """I11, I22, I33 (A.13), kg m^2"""
+    """principal moments of inertia I11, I22, I33 (A.13), kg m^2"""
     drag: float
-    """beta_v (2.15), kg/s: Stokes's, far from everything"""
+    """Stokes drag coefficient beta_v (2.15) far from walls, kg/s"""
     rotational_drag: float
-    """beta_w (2.15), N m s: Stokes's"""
+    """rotational Stokes drag coefficient beta_w (2.15) far from walls, N m s"""
     weight: tuple[float, float, float]
-    """gravity (2.11) and buoyancy (2.12) as far as they act, N"""
+    """sum of gravity (2.11) and buoyancy (2.12), as far as the scene has them, N"""
     knudsen: float
     """mean free path over diameter (2.2.2)"""
 
     def card(self) -> Card:
-        """Mass, drag, weight, times."""
+        """Return the card with mass, drag, weight and characteristic times."""
         thin = self.knudsen > KNUDSEN_LIMIT
         doubt = "not to be trusted: the medium is no continuum for this bead" if thin else ""
         rows = (
@@ -50,17 +50,21 @@ class BeadProperties(Shown):
 
     @property
     def relaxation_time(self) -> float:
-        """m/beta_v, s: the epsilon of (4.6)."""
+        """Velocity relaxation time m/beta_v, s: the epsilon of (4.6)."""
         return self.mass / self.drag
 
     @property
     def vorticity_time(self) -> float:
-        """tau_f = r^2 rho_m/mu_m, s."""
+        """Time tau_f = r^2 rho_m/mu_m, s, in which vorticity diffuses over a bead radius r.
+
+        rho_m and mu_m are the density and viscosity of the medium. With displaced mass m_f and drag
+        beta_v it is 4.5 m_f/beta_v.
+        """
         return 4.5 * self.displaced_mass / self.drag
 
 
 def bead_properties(scene: SceneLike) -> BeadProperties:
-    """Properties of the bead of `scene`."""
+    """Return mass, inertia, drag and weight of the bead of a scene."""
     scene = checked_scene(scene)
     body, r = scene.body, scene.bead.radius  # the drag is a sphere's
     g, forces = scene.forces.gravitational_acceleration, scene.forces

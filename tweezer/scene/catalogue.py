@@ -21,12 +21,12 @@ class Objective(NamedTuple):
 
     @property
     def focal_length(self) -> float:
-        """That of the tube lens over the magnification, m."""
+        """Focal length, m: that of the tube lens over the magnification."""
         return self.tube_lens / self.magnification
 
     @property
     def pupil_radius(self) -> float:
-        """f NA, m, by Abbe's sine condition."""
+        """Radius of the pupil, m: focal length times numerical aperture (Abbe's sine condition)."""
         return self.focal_length * self.numerical_aperture
 
 
@@ -37,8 +37,9 @@ class Laser(NamedTuple):
     wavelength: float
     """vacuum wavelength, m"""
     power: str
-    """through the pupil: what `tweezer new` takes if none is given"""
+    """power through the pupil that `tweezer new` uses if none is given"""
     kind: str
+    """laser medium in words"""
 
 
 #: Refractive index of immersion oil and cover glass (ISO 8036 has 1.518 at 546 nm)

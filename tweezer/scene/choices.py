@@ -1,7 +1,8 @@
-"""The one table of names: models, methods, theories of light and evaluators, and their needs.
+"""The one table of names: models, methods, theories of light and evaluators, with their
+requirements.
 
-Scene checks, errors, the command line's help and the documentation read it. What a name stands for
-is loaded when it is used: importing this loads nothing.
+Checks of scenes, errors, the command line's help and the documentation read it. The code behind a
+name is loaded when it is used: importing this module loads nothing.
 """
 
 from __future__ import annotations
@@ -23,62 +24,64 @@ class Model:
 
     name: str
     about: str
+    """description in a few words"""
     modules: str
     """first part of the names of its modules in `generated/`"""
     inertia: bool = False
-    """whether its state holds velocities; only then can the fluid have inertia"""
+    """whether its state contains velocities; only then can the fluid have inertia"""
     rotating: str = ""
     """last part of the name of its module with rotation, if that is the same for every body"""
     scheme: str = ""
-    """"module:name" of the scheme of its thermal motion, if it has one of its own"""
+    """"module:name" of its own scheme of thermal motion; "" if the method's scheme applies"""
 
 
 @dataclass(frozen=True)
 class Method:
-    """A way to follow the motion in time."""
+    """A method of integrating the motion in time, and its capabilities."""
 
     name: str
     about: str
+    """description in a few words"""
     place: str
-    """"module:name" of what it is: a method of `tweezer.dynamics.integrators`, a solver of
+    """"module:name" of its code: a method of `tweezer.dynamics.integrators`, a solver of
     `scipy.integrate`, or a `tweezer.dynamics.brownian.batch.Scheme`"""
     thermal: bool = False
-    """whether it draws thermal motion, and follows no other"""
+    """whether it is for thermal motion, and for no other"""
     models: tuple[str, ...] = ("full", "scaled", "overdamped")
-    """of thermal motion, that it follows"""
+    """models of thermal motion that it can integrate"""
     fixed_steps: bool = True
     """whether it takes `simulation.step`"""
     spring_only: bool = False
-    """whether it follows the trap's spring alone: at rest, and without a torque"""
+    """whether it is exact for a trap at rest that is a linear spring, without torque, and for
+    nothing else"""
     displacements: bool = True
-    """whether the distance of two samples is that of the motion"""
+    """whether displacements between samples have the right statistics"""
     implicit: bool = False
-    """whether it takes the Jacobian of the right-hand side"""
+    """whether it needs the Jacobian of the right-hand side"""
     uniform_drag: bool = False
     """whether the drag must be the same everywhere"""
     beside_wall: Mapping[str, str] = field(default_factory=dict)
-    """by model, of those of thermal motion that it follows beside a wall: "module:name" of its
-    scheme there"""
+    """"module:name" of its scheme beside a wall, by the models that it can integrate there"""
     memory: bool = False
-    """whether it takes the memory of a fluid with inertia"""
+    """whether it can integrate the memory of a fluid with inertia"""
     exact_drag: bool = False
-    """whether it takes the drag of the model exactly, and follows no model without such a drag"""
+    """whether it integrates the drag exactly, and so only models with linear drag"""
     multistep: bool = False
-    """whether it carries differences of past states: these cannot be put back on constraints"""
+    """whether it keeps differences of past states, which cannot be projected back on constraints"""
 
     @property
     def solver(self) -> bool:
-        """Whether it is one of SciPy's."""
+        """Whether it is a solver of SciPy."""
         return self.place.startswith("scipy.")
 
     def load(self) -> Any:
-        """What it is."""
+        """Import and return its code, the object at `place`."""
         return at(self.place)
 
 
 @dataclass(frozen=True)
 class Inertia:
-    """What of the fluid's inertia the bead feels."""
+    """A degree to which the inertia of the fluid is taken into account."""
 
     name: str
     about: str
@@ -86,40 +89,42 @@ class Inertia:
 
 @dataclass(frozen=True)
 class Theory:
-    """What the light is taken as."""
+    """A theory of light."""
 
     name: str
     about: str
     map: str
-    """"module:name" of a function of a scene and a progress that gives the table of its force"""
+    """"module:name" of the function that makes the force map of a scene; it also takes a callback
+    for its progress"""
 
 
 @dataclass(frozen=True)
 class Evaluator:
-    """A way to compute the force of the light."""
+    """A way to compute the force of the light on the bead."""
 
     name: str
     about: str
     places: Mapping[str, str]
-    """by theory, of those that it has: "module:name" of a function that gives the force of the one
-    beam of a scene, a `tweezer.optics.light.LightForce`"""
+    """"module:name", by theory, of the function that returns the force of a scene's single beam, a
+    `tweezer.optics.light.LightForce`"""
     symmetric: tuple[str, ...] = ()
-    """theories in which the light must be the same all around its axis"""
+    """theories in which it requires light that is symmetric about its axis"""
     mapped: bool = False
-    """whether the map stands for it where a fit needs many forces"""
+    """whether a force map replaces it in fits, which need many forces"""
 
     def load(self, theory: str) -> Any:
-        """What it is in that theory."""
+        """Import and return its function for a theory, the object at `places[theory]`."""
         return at(self.places[theory])
 
 
 def at(place: str) -> Any:
-    """What stands at "module:name"."""
+    """Import and return the object at "module:name"."""
     module, _, name = place.partition(":")
     return getattr(importlib.import_module(module), name)
 
 
 def _by_name(*entries: Any) -> dict[str, Any]:
+    """Return the entries by their names."""
     return {each.name: each for each in entries}
 
 
@@ -193,12 +198,12 @@ EVALUATORS: dict[str, Evaluator] = _by_name(
 
 
 def evaluator(name: str) -> Evaluator:
-    """The evaluator of `optics.evaluator`."""
+    """Return the evaluator with a name of `optics.evaluator`; for "auto" the quadrature."""
     return EVALUATORS["quadrature" if name == "auto" else name]
 
 
 def told(entries: Iterable[Model | Method | Inertia | Theory | Evaluator]) -> str:
-    """What each is, in one line; alike ones together."""
+    """Return the descriptions of entries in one line; entries with the same one share it."""
     by_text: dict[str, list[str]] = {}
     for each in entries:
         by_text.setdefault(each.about, []).append(each.name)
@@ -206,5 +211,5 @@ def told(entries: Iterable[Model | Method | Inertia | Theory | Evaluator]) -> st
 
 
 def methods(*, thermal: bool) -> list[Method]:
-    """Those that follow thermal motion, or those that follow motion without."""
+    """Return the methods for thermal motion, or those for motion without it."""
     return [each for each in METHODS.values() if each.thermal == thermal]

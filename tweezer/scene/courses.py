@@ -1,4 +1,4 @@
-"""How a beam moves and how its power changes: sections of a scene."""
+"""Sections of a scene for the motion of a beam and the change of its power in time."""
 
 from __future__ import annotations
 
@@ -40,6 +40,7 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     def __setattr__(self, name: str, value: Any) -> None:
+        """Raise `FrozenError`: a scene is changed by `replace`, not in place."""
         if not name.startswith("_"):
             raise FrozenError(
                 f"{name}: a scene is not changed in place; use scene.replace(...), such as "
@@ -49,7 +50,7 @@ class Section(BaseModel):
 
 
 def refusal(reason: str) -> PydanticCustomError:
-    """An error of a scene, in one line."""
+    """Return the error of a scene with this reason, in one line."""
     return PydanticCustomError("scene", "{reason}", {"reason": reason})
 
 
@@ -68,6 +69,7 @@ class _Course(Section):
 
     @model_validator(mode="after")
     def _keys_of_the_kind(self) -> Self:
+        """Refuse keys that the kind of course does not have, and a lack of those that it needs."""
         needed, possible = _KEYS[type(self).__name__][self.kind]
         for key in type(self).model_fields:
             if key == "kind":
@@ -81,6 +83,9 @@ class _Course(Section):
 
     @model_validator(mode="after")
     def _sound(self) -> Self:
+        """Refuse times that do not ascend or differ in number from the values, and ends out of
+        order.
+        """
         key, _ = _COLUMNS[type(self).__name__.lower()]
         keys = "times", key, "period", "begin", "end"
         times, values, period, begin, end = (getattr(self, each) for each in keys)
@@ -138,7 +143,7 @@ class Motion(_Course):
 
     @property
     def along_light(self) -> bool:
-        """Whether it leads along the axis of the light anywhere."""
+        """Whether the focus moves along z, the axis of the light, at any time."""
         ways = (self.amplitude, self.velocity, *(self.positions or ()))
         return any(way is not None and way[2] != 0 for way in ways)
 
@@ -174,7 +179,8 @@ _COLUMNS = {"motion": ("positions", 3), "modulation": ("factors", 1)}
 
 
 def with_tables(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """The data of a scene with the tables that its beams name as a `file`, relative to a folder.
+    """Return the data of a scene with the tables from files that its beams name, relative to a
+    folder.
 
     A row of the CSV file is a time, s, and then x, y, z, m, or a factor; the first row may be a
     heading. Raises `ValueError`.
@@ -186,6 +192,7 @@ def with_tables(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def _with_tables_of(name: str, beam: Any, folder: Path) -> Any:
+    """Return the data of a beam, or of a list of beams, with the tables in its files."""
     if isinstance(beam, list | tuple):
         named = enumerate(beam, start=1)
         return [_with_tables_of(f"{name}[{i}]", each, folder) for i, each in named]
@@ -205,6 +212,10 @@ def _with_tables_of(name: str, beam: Any, folder: Path) -> Any:
 
 
 def _rows(path: Path, columns: int) -> list[list[float]]:
+    """Return the rows of numbers in a CSV file, without its heading.
+
+    columns: number of numbers that each row must have.
+    """
     try:
         lines = [line for line in csv.reader(StringIO(read_text(path), newline="")) if line]
     except (OSError, UnicodeDecodeError, csv.Error) as error:

@@ -72,7 +72,9 @@ class Description(Section):
 
     @property
     def plain(self) -> bool:
-        """Whether there is one beam only, along z through the origin, always the same."""
+        """Whether there is a single beam, along +z through the origin, that does not change in
+        time.
+        """
         beam = self.beam
         still = beam.motion is None and beam.modulation is None
         return not self.more_beams and still and beam.direction == "up" and not any(beam.position)
@@ -95,7 +97,7 @@ class Description(Section):
 
     @property
     def start_position(self) -> tuple[float, float, float]:
-        """Where the bead starts, m from the focus."""
+        """Position at which the bead is released, m from the focus."""
         x, y, z = self.start.position
         if self.start.frame == "lens":
             z -= self.lens.focal_length or 0.0
@@ -103,20 +105,24 @@ class Description(Section):
 
     @property
     def vorticity_time(self) -> float:
-        """r^2 rho_m/mu_m, s: in it the vorticity that the bead sheds gets as far as its radius."""
+        """Time r^2 rho_m/mu_m, s, in which vorticity diffuses over a bead radius r.
+
+        rho_m and mu_m are the density and viscosity of the medium.
+        """
         return self.body.size**2 * self.medium.density / self.medium.viscosity
 
     @property
     def lag(self) -> float:
-        """2 sqrt(tau_f t/pi) at the end of the run, s.
+        """Delay 2 sqrt(tau_f t/pi) at the end t of the run, s, due to the memory of the fluid.
 
-        Times its speed: the way that a bead in a fluid with inertia is behind one without, where
-        the force changes slowly; tau_f is `vorticity_time`.
+        Times the bead's speed it is the distance by which the bead is behind one in a fluid without
+        inertia, where the force changes slowly; tau_f is `vorticity_time`.
         """
         return 2 * math.sqrt(self.vorticity_time * self.simulation.duration / math.pi)
 
     def gap(self, z: Any) -> Any:
-        """Distance of the bead's surface from the wall, m, with its centre at z, m from the focus.
+        """Return the distance between wall and surface of the bead, m, with its centre at z, m from
+        the focus.
 
         Raises `SceneError` for a scene without a wall.
         """
@@ -125,7 +131,7 @@ class Description(Section):
         return self.body.gap((self.wall.position, self.wall.normal), z)
 
     def room(self, z: Any) -> Any:
-        """The gap to the wall, or to the opposite one, m, whichever is smaller; see `gap`."""
+        """Return the distance from the bead's surface to the nearer of both walls, m; see `gap`."""
         gap = self.gap(z)
         if self.wall is None or self.wall.opposite is None:
             return gap
@@ -141,34 +147,37 @@ class Description(Section):
 
     @property
     def draws(self) -> bool:
-        """Whether random numbers are drawn, so that a seed has a meaning."""
+        """Whether the run draws random numbers, so that it takes a seed."""
         return self.forces.brownian or (self.camera is not None and any(self.camera.noises))
 
     @property
     def rotates(self) -> bool:
-        """Whether anything turns the bead: if not, no rotation is computed."""
+        """Whether anything turns the bead; if not, rotation is not computed."""
         turned = self.turned_by_light or any(self.start.angular_velocity)
         return turned or self.forces.brownian_torque
 
     @property
     def turned_by_light(self) -> bool:
-        """Whether the light exerts a torque: by the thesis's rays, or as waves by absorption."""
+        """Whether the light exerts a torque: with rays that of the thesis, with waves by
+        absorption.
+        """
         if self.theory == "waves":
             return self.bead.absorbs
         return self.lit and any(beam.torque == "thesis" for beam in self.beams)
 
     @property
     def theory(self) -> str:
-        """Theory that the light is computed with: "rays" or "waves"."""
+        """Theory of the light: "rays" or "waves"."""
         return self._theory.theory
 
     @property
     def theory_reason(self) -> str:
-        """Why the light is computed with that theory, in one clause."""
+        """Reason for this theory, in one clause."""
         return self._theory.reason
 
     @property
     def _theory(self) -> Choice:
+        """Choice of the theory and its reason; rays without light."""
         if not self.lit:
             return Choice("rays", "no light")
         return chosen_theory(
@@ -182,18 +191,18 @@ class Description(Section):
 
     @property
     def table_radii(self) -> float:
-        """How far the map reaches from the focus, in radii of the bead."""
+        """Reach of the force map from the focus, in radii of the bead."""
         reach = self.optics.table_range
         return to_si(reach, "m") / self.body.size if isinstance(reach, str) else reach
 
     @property
     def table_reach(self) -> float:
-        """How far the map reaches from the focus, m."""
+        """Reach of the force map from the focus, m."""
         reach = self.optics.table_range
         return to_si(reach, "m") if isinstance(reach, str) else reach * self.body.size
 
     @property
     def lit(self) -> bool:
-        """Whether there is any light."""
+        """Whether any beam has power, and its force acts."""
         lit = any(beam.power or beam.power_through_pupil for beam in self.beams)
         return self.forces.optical and lit

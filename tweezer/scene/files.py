@@ -1,4 +1,4 @@
-"""Scene files: the shipped ones by name, and what a file holds."""
+"""Scene files: the shipped ones by name, and the data in a file."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ def shipped_scenes() -> dict[str, Path]:
 
 
 def read_scene(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the data of a shipped scene or a TOML file, with and without what its tables hold.
+    """Return the data of a shipped scene or a TOML file, with and without the content of its
+    tables.
 
     Raises `SceneError`.
     """
@@ -56,6 +57,7 @@ def read_scene(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def _shipped_like(path: Path) -> str:
+    """Return the end of a message: the shipped scene that was probably meant, or all of them."""
     shipped = list(shipped_scenes())
     near = difflib.get_close_matches(path.name.removesuffix(".toml"), shipped, n=1, cutoff=0.5)
     near += [name for name in shipped if path.stem and path.stem in name]

@@ -1,4 +1,6 @@
-"""Values that a scene fills in before it is checked: named values, and the position of its wall."""
+"""Values that are filled in before a scene is checked: those of names, and the position of the
+wall.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,11 @@ from tweezer.values.units import TEMPERATURE, to_si
 
 
 def filled_in(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the data of a scene with what its names, materials and cover give."""
+    """Return the data of a scene with the values that follow from names, materials and the cover.
+
+    data: values of a scene by section and key, as given. A section lists the keys that were filled
+    in under `FILLED`.
+    """
     data = _wall_of_the_cover(_several_beams(data))
     _refuse_names_of_indices(data)
     if isinstance(bead := data.get("bead"), dict):
@@ -23,7 +29,11 @@ def filled_in(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _of_water(data: Mapping[str, Any], medium: Mapping[str, Any], *, indexed: bool) -> Water:
-    """Water in a scene as it is given; indexed: at the wavelength of its beams."""
+    """Return the properties of water for the data of a scene.
+
+    indexed: whether the index at the wavelength of its beams is needed. Invalid data gives
+    placeholders, because the check of the keys reports the error later.
+    """
     try:
         temperature = to_si(medium.get("temperature"), "K", *TEMPERATURE)
         wavelengths = _wavelengths(data)
@@ -40,9 +50,9 @@ def _of_water(data: Mapping[str, Any], medium: Mapping[str, Any], *, indexed: bo
 
 
 def _wavelengths(data: Mapping[str, Any]) -> list[float]:
-    """Vacuum wavelengths of the beams of a scene as it is given, m.
+    """Return the vacuum wavelengths of the beams in the data of a scene, m.
 
-    Raises `ValueError` or `AttributeError` where it is not valid.
+    Raises `ValueError` or `AttributeError` if they are not valid.
     """
     return [
         to_si(beam.get("wavelength") if isinstance(beam, Mapping) else beam.wavelength, "m")
@@ -78,7 +88,7 @@ def _refuse_names_of_indices(data: Mapping[str, Any]) -> None:
 
 
 def _of_materials(data: Mapping[str, Any], bead: Mapping[str, Any]) -> dict[str, Any]:
-    """A bead of a scene as it is given, with what its materials give."""
+    """Return the data of a bead with the indices and the density of its materials."""
     layers = bead.get("layers")
     if layers is None:
         density = getattr(materials().get(str(bead.get("material"))), "density", None)
@@ -94,7 +104,10 @@ def _of_materials(data: Mapping[str, Any], bead: Mapping[str, Any]) -> dict[str,
 def _with_material(
     data: Mapping[str, Any], part: Mapping[str, Any], name: str, density: float | None
 ) -> dict[str, Any]:
-    """A bead or a layer, with the index of its material and a density where it has none."""
+    """Return the data of a bead or layer with its material's index, and `density` if it has none.
+
+    data: of the whole scene. name: of the part, for messages.
+    """
     filled: dict[str, Any] = {}
     if part.get("density") is None and density is not None:
         filled["density"] = density
@@ -106,7 +119,11 @@ def _with_material(
 
 
 def _index_of(material: Material, data: Mapping[str, Any], name: str) -> complex:
-    """Index of a material at the wavelength of the beams of a scene as it is given."""
+    """Return the index of a material at the wavelength of the beams in the data of a scene.
+
+    Invalid data gives a placeholder, because the check of the keys reports the error later. name:
+    of the part with this material, for messages.
+    """
     try:
         wavelengths = _wavelengths(data)
     except (ValueError, AttributeError):
@@ -120,7 +137,10 @@ def _index_of(material: Material, data: Mapping[str, Any], name: str) -> complex
 
 
 def _mean_density(layers: Sequence[Mapping[str, Any]]) -> float | None:
-    """Density of a bead of layers that all have a material, kg/m^3; None for others."""
+    """Return the mean density of a bead whose layers all have a material, kg/m^3; None for others.
+
+    Invalid layers give a placeholder, because the check of the keys reports the error later.
+    """
     made_of = [materials().get(str(each.get("material"))) for each in layers]
     if not all(made_of):
         return None
@@ -138,7 +158,7 @@ def _mean_density(layers: Sequence[Mapping[str, Any]]) -> float | None:
 
 
 def _medium_by_name(data: dict[str, Any]) -> dict[str, Any]:
-    """Fill in what the medium's name gives and the scene does not."""
+    """Return the data of a scene with the properties of the named medium, where it has no own."""
     medium = data.get("medium")
     if not isinstance(medium, dict) or medium.get("name") != "water":
         return data
@@ -151,7 +171,7 @@ def _medium_by_name(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _wall_of_the_cover(data: dict[str, Any]) -> dict[str, Any]:
-    """Put the wall where the face of the cover is, if the scene does not say where it is."""
+    """Return the data with the wall at the face of the cover, unless the wall has a position."""
     if not isinstance(wall := data.get("wall"), dict):
         return data
     lens = data.get("lens")
@@ -167,7 +187,7 @@ def _wall_of_the_cover(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _several_beams(data: dict[str, Any]) -> dict[str, Any]:
-    """Move all beams but the first of a list to `more_beams`."""
+    """Return the data with all beams of a list but the first in `more_beams`."""
     if isinstance(beams := data.get("beam"), list | tuple):
         if not beams:
             raise refusal("beam: at least one is needed")

@@ -1,4 +1,4 @@
-"""Keys of a scene: sections by name, familiar words, and changes to a section."""
+"""Names of the keys of a scene: kinds of sections, familiar words, and changes to a section."""
 
 from __future__ import annotations
 

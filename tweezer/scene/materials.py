@@ -16,18 +16,20 @@ from tweezer.values.printed import scaled
 
 
 class Material(NamedTuple):
-    """What a bead is made of."""
+    """A material of beads, with its refractive index and density from published measurements."""
 
     name: str
     formula: str
-    """"sellmeier", "powers", "value" or "table"; see `refractive_index`"""
+    """form of the refractive index: "sellmeier", "powers", "value" or "table"; see
+    `refractive_index`"""
     numbers: list[list[float]]
+    """coefficients of the formula, or rows of the table: wavelength, um, n and k"""
     measured: tuple[float, float]
-    """vacuum wavelengths, um, from and to, that the source has"""
+    """range of vacuum wavelengths of the measurement, um"""
     used: tuple[float, float]
-    """vacuum wavelengths, um, from and to, for which an index is given"""
+    """range of vacuum wavelengths for which an index is given, um"""
     error: float
-    """difference of other published values of the index, roughly"""
+    """rough difference from other published values of the index"""
     source: str
     cited: str
     """source, in short"""
@@ -60,7 +62,7 @@ class Material(NamedTuple):
                 return self._between_rows(um)
 
     def _between_rows(self, um: float) -> complex:
-        """Linearly between the rows of the table: wavelength, n, k."""
+        """Return n + jk at a wavelength `um`, interpolated linearly between rows of the table."""
         after = bisect.bisect([row[0] for row in self.numbers], um)
         after = min(max(after, 1), len(self.numbers) - 1)
         (a, n, k), (b, next_n, next_k) = self.numbers[after - 1 : after + 1]
@@ -70,6 +72,6 @@ class Material(NamedTuple):
 
 @functools.cache
 def materials() -> dict[str, Material]:
-    """Every material, by name."""
+    """Return all materials by name, from materials.toml."""
     whole = Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
     return {name: Material(name=name, **of) for name, of in tomllib.loads(whole).items()}

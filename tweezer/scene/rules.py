@@ -23,7 +23,7 @@ _MOST_FRAMES = 10_000_000
 
 
 def check(scene: Description) -> None:
-    """Refuse a scene whose sections do not go together."""
+    """Refuse a scene whose sections contradict each other."""
     _aperture_in_reach(scene)
     by = EVALUATORS.get(scene.optics.evaluator)
     for beam in scene.beams:
@@ -72,7 +72,7 @@ def warn_of_unused_aperture(scene: Description) -> None:
 
 
 def _map_of_rays(scene: Description) -> None:
-    """Refuse a range that the map of rays does not have."""
+    """Refuse a range of the force map by rays outside its limits."""
     if not TABLE_RADII[0] <= scene.table_radii <= TABLE_RADII[1]:
         raise refusal(
             f"optics.table_range = {scene.optics.table_range!r}: is {scene.table_radii:.3g} "
@@ -82,7 +82,7 @@ def _map_of_rays(scene: Description) -> None:
 
 
 def _foci_at_the_depth(scene: Description) -> None:
-    """Refuse foci that are nearer to the face of a cover than its depth, or farther."""
+    """Refuse beams whose foci are not, or do not stay, at the depth behind the face of a cover."""
     for name, beam in named_beams(scene.beams):
         if beam.position[2]:
             raise refusal(
@@ -94,7 +94,9 @@ def _foci_at_the_depth(scene: Description) -> None:
 
 
 def _start_in_the_medium(scene: Description) -> None:
-    """Refuse a start that is not between the lens, or the face of its cover, and loss."""
+    """Refuse a release outside the medium: before the lens or its cover, or beyond the loss
+    distance.
+    """
     x, y, z = scene.start_position
     ball, radius = scene.start.ball_radius or 0.0, scene.body.support()
     given = f"start.position = {list(scene.start.position)}"
@@ -117,7 +119,7 @@ def _start_in_the_medium(scene: Description) -> None:
 
 
 def _beside_the_wall(scene: Description) -> None:
-    """Refuse a bead in a wall, a cell that is too thin, and what needs a wall without one."""
+    """Refuse a bead in a wall, a cell that is too thin, and forces of a wall without one."""
     wall, radius = scene.wall, scene.body.size
     if wall is None:
         if scene.forces.dlvo is not None:
@@ -152,7 +154,7 @@ def _beside_the_wall(scene: Description) -> None:
 
 
 def _thermal(scene: Description) -> None:
-    """Refuse what does not go with thermal motion, or not without."""
+    """Refuse settings for thermal motion without it, and settings that it excludes."""
     method, model = scene.simulation.method, scene.simulation.model
     how = None if method == "auto" else METHODS[method]
     if not scene.forces.brownian:
@@ -191,7 +193,7 @@ def _thermal(scene: Description) -> None:
 
 
 def _some_frame(scene: Description) -> None:
-    """Refuse a camera that sees nothing of the run, or what is not the bead's motion."""
+    """Refuse a camera that sees no frame, or too many, and methods that it cannot be used with."""
     if scene.camera is None:
         return
     if scene.camera.exposure > scene.simulation.duration:
@@ -215,7 +217,7 @@ def _some_frame(scene: Description) -> None:
 
 
 def _inertia_of_the_fluid(scene: Description) -> None:
-    """Refuse what does not go with a fluid that has inertia."""
+    """Refuse models, methods and walls that exclude the inertia of the fluid."""
     inertia, model, method = scene.medium.inertia, scene.simulation.model, scene.simulation.method
     if inertia in (None, "none"):
         return
@@ -252,7 +254,7 @@ def _inertia_of_the_fluid(scene: Description) -> None:
 
 
 def _wider_than_a_square(scene: Description, beam: Beam) -> None:
-    """Refuse a beam that the grid of rays would not see."""
+    """Refuse a beam narrower than a square of the thesis's grid of rays, which would miss it."""
     half_side = scene.lens.radius / beam.divisions
     if beam.sigma is not None and beam.sigma < half_side * (1 - 1e-9):
         raise refusal(

@@ -38,17 +38,19 @@ class Scene(Description):
     @model_validator(mode="before")
     @classmethod
     def _filled_in(cls, data: Any) -> Any:
-        """Fill in what names, materials and the cover give."""
+        """Fill in values that follow from names, materials and the cover."""
         return filled_in(data) if isinstance(data, dict) else data
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        """Refuse sections that do not go together."""
+        """Refuse sections that contradict each other."""
         check(self)
         return self
 
     def card(self) -> Card:
-        """Bead, medium, light, start, forces, and what differs from the shipped scene."""
+        """Return the card with bead, medium, light, start, forces, and changes to the shipped
+        scene.
+        """
         bead, medium, motion = self.bead, self.medium, self.simulation
         index = bead.index if bead.index.imag else bead.index.real
         viscosity = printed(medium.viscosity, "mPa s")
@@ -103,10 +105,11 @@ class Scene(Description):
         return as_html(self.card())
 
     def with_one_beam(self, beam: Beam, offset: float = 0.0) -> Scene:
-        """The scene with that beam alone, along z through the origin, always the same.
+        """Return the scene with this beam alone, along +z through the origin, at rest and of
+        constant power.
 
-        offset: largest distance, m, from the origin at which the beam's focus was; the bead may be
-        farther from it by that.
+        offset: largest distance, m, of the beam's focus from the origin. The loss distance is
+        increased by it, because the bead may be that much further from the focus.
         """
         at_rest = {
             "position": (0.0, 0.0, 0.0),
@@ -123,23 +126,24 @@ class Scene(Description):
         return self.model_copy(update=update)
 
     def of_power(self, power: float) -> Scene:
-        """The scene with that power through the pupil, W, by its only beam."""
+        """Return the scene with this power through the pupil of its only beam, W."""
         beam = self.beam.model_copy(update={"power": None, "power_through_pupil": power})
         return self.model_copy(update={"beam": beam})
 
     def __eq__(self, other: object) -> bool:
-        """Whether both describe the same, however they came about."""
+        """Return whether both have equal keys, apart from their history of changes."""
         return isinstance(other, Scene) and self._said() == other._said()
 
     def __hash__(self) -> int:
         return hash(self._said())
 
     def _said(self) -> tuple[Any, ...]:
+        """Return the values of all keys but the history of changes, for comparison."""
         return tuple(getattr(self, key) for key in type(self).model_fields if key != "changed")
 
     @property
     def title(self) -> str:
-        """The description; of a scene changed since it was written, the name and the changes."""
+        """Description of the scene; for a changed scene its name and the changes."""
         if not self.changed:
             return self.description or self.name
         changes = ", ".join(f"{key} = {value}" for key, value in self.changed.items())
@@ -149,7 +153,9 @@ class Scene(Description):
 
     @property
     def _of_another_temperature(self) -> str:
-        """Properties of the medium that depend on temperature and were not changed with it."""
+        """Names of properties of the medium that depend on temperature but were not changed with
+        it.
+        """
         if "medium.viscosity" in self.changed or "viscosity" in self.medium.filled:
             return ""
         keys = [

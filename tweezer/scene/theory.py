@@ -1,4 +1,4 @@
-"""Which theory of light a scene is computed with: rays or waves."""
+"""Choice of the theory of light for a scene: ray optics or wave optics."""
 
 from __future__ import annotations
 
@@ -27,9 +27,10 @@ NO_MAP = (
 
 
 class Choice(NamedTuple):
-    """The theory that a scene is computed with."""
+    """Theory of light that a scene is computed with, and the reason."""
 
     theory: str
+    """"rays" or "waves", as in `THEORIES`"""
     reason: str
     """one short clause"""
 
@@ -42,9 +43,10 @@ def chosen_theory(
     beams: Sequence[Beam],
     loss_distance: float,
 ) -> Choice:
-    """The theory that a lit scene names, or else waves where they have a meaning and are cheap.
+    """Return the theory that a lit scene names, or else waves if they apply and are cheap.
 
-    Refuses, as an error of a scene, a theory in which it has no meaning.
+    Raises an error of a scene for a theory that does not apply to it. loss_distance: largest
+    distance of the bead from the focus, m.
     """
     without = {"rays": no_rays(bead, lens, beams), "waves": no_waves(optics, beams)}
     asked = optics.theory
@@ -69,26 +71,31 @@ def chosen_theory(
 
 
 def largest_wavenumber(medium: Medium, beams: Sequence[Beam]) -> float:
-    """k = 2 pi n_m/lambda, 1/m, of the shortest of the wavelengths."""
+    """Return k = 2 pi n_m/lambda, 1/m, for the shortest vacuum wavelength lambda of the beams.
+
+    n_m is the refractive index of the medium.
+    """
     wavelength = min(beam.wavelength for beam in beams)
     return 2 * math.pi * medium.refractive_index / wavelength
 
 
 def no_waves(optics: Optics, beams: Sequence[Beam]) -> str | None:
-    """Reason why a scene has no meaning as waves; None if it has one."""
+    """Return the reason why wave optics does not apply to a scene; None if it does."""
     return _first(_beyond_waves(optics, beams), "waves")
 
 
 def no_rays(bead: Bead, lens: Lens, beams: Sequence[Beam]) -> str | None:
-    """Reason why a scene has no meaning as rays; None if it has one."""
+    """Return the reason why ray optics does not apply to a scene; None if it does."""
     return _first(_beyond_rays(bead, lens, beams), "rays")
 
 
 def _first(beyond: Iterator[str], theory: str) -> str | None:
+    """Return the sentence on the first setting beyond a theory; None if there is none."""
     return next((f"{what} has no meaning as {theory}" for what in beyond), None)
 
 
 def _beyond_waves(optics: Optics, beams: Sequence[Beam]) -> Iterator[str]:
+    """Yield the settings of a scene to which wave optics does not apply."""
     if "waves" not in evaluator(optics.evaluator).places:
         yield f"optics.evaluator = {optics.evaluator!r}"
     for name, beam in named_beams(beams):
@@ -103,6 +110,7 @@ def _beyond_waves(optics: Optics, beams: Sequence[Beam]) -> Iterator[str]:
 
 
 def _beyond_rays(bead: Bead, lens: Lens, beams: Sequence[Beam]) -> Iterator[str]:
+    """Yield the settings of a scene to which ray optics does not apply."""
     if len(bead.shells) > 1:
         yield f"bead.layers of {len(bead.shells)}"
     if bead.absorbs:
@@ -117,10 +125,11 @@ def _beyond_rays(bead: Bead, lens: Lens, beams: Sequence[Beam]) -> Iterator[str]
 
 
 def _about_the_axis(beam: Beam) -> bool:
+    """Return whether the polarisation has an axis of symmetry: radial or azimuthal."""
     return beam.polarisation in ("radial", "azimuthal")
 
 
 def named_beams(beams: Sequence[Beam]) -> Iterator[tuple[str, Beam]]:
-    """Each beam with its name in a scene: beam, or beam[1] and so on."""
+    """Yield each beam with its name in a scene: "beam" if there is one, else "beam[1]" etc."""
     for i, beam in enumerate(beams, start=1):
         yield ("beam" if len(beams) == 1 else f"beam[{i}]"), beam

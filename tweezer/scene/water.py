@@ -19,7 +19,7 @@ _SODIUM = 0.5893e-6
 
 
 class Water(NamedTuple):
-    """Properties of water in SI units."""
+    """Density (kg/m^3), viscosity (Pa s) and refractive index of water."""
 
     density: float
     viscosity: float

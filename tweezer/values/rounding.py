@@ -62,7 +62,7 @@ def with_uncertainty(value: float, uncertainty: float, sign: str = "+-") -> str:
 
 
 def micrometres(metres: float) -> str:
-    """Four digits, without -0 and without rounding errors of zero."""
+    """Return a length, m, as text in um with four digits; rounding errors become 0."""
     return f"{round(1e6 * metres, 9) + 0.0:.4g}"
 
 

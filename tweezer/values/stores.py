@@ -372,7 +372,7 @@ def _indices(array: _Array, blocks: list[int] | None) -> Iterator[tuple[int, ...
 
 
 def _check_chunk(path: Path, name: str, array: _Array) -> None:
-    """Raise `ResultError` unless the file of a chunk unpacks to its size."""
+    """Raise `ResultError` unless the file of a chunk has, or unpacks to, the right size."""
     file = path / name
     size = array.item * math.prod(array.chunks)
     if array.compressed:

@@ -26,7 +26,7 @@ Vector = Annotated[
 
 
 class Comparable:
-    """A dataclass with arrays among its fields, made with `eq=False`."""
+    """Base of a dataclass (with `eq=False`) that has arrays among its fields."""
 
     def __eq__(self, other: object) -> bool:
         """Return whether all fields that are compared are equal; NaN is equal to NaN."""

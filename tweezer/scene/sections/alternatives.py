@@ -56,7 +56,7 @@ class Filled(Section):
     @model_validator(mode="wrap")
     @classmethod
     def _some_filled_in(cls, data: Any, validated: ModelWrapValidatorHandler[Self]) -> Self:
-        """Remember which they are."""
+        """Remember the keys that the scene has filled in, which the data list under `FILLED`."""
         if not isinstance(data, dict) or FILLED not in data:
             return validated(data)
         section = validated({key: value for key, value in data.items() if key != FILLED})
@@ -65,11 +65,12 @@ class Filled(Section):
 
     @model_serializer(mode="wrap")
     def _as_given(self, as_dict: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Without what others give."""
+        """Return the section as a mapping without the keys that follow from others."""
         said: dict[str, Any] = as_dict(self)
         return {key: value for key, value in said.items() if key not in self._unsaid()}
 
     def _unsaid(self) -> frozenset[str]:
+        """Return the keys that are left out when the section is written."""
         return self._filled
 
 

@@ -60,6 +60,7 @@ class Layer(_Round):
     @model_validator(mode="before")
     @classmethod
     def _size(cls, data: Any) -> Any:
+        """Replace a diameter in the data by the radius."""
         return with_half(data, "radius", "diameter", *BEAD_RADIUS)
 
 
@@ -99,6 +100,7 @@ class Bead(_Round):
     @model_validator(mode="before")
     @classmethod
     def _size(cls, data: Any) -> Any:
+        """Replace a diameter in the data by the radius; refuse both, and others, beside layers."""
         if not isinstance(data, dict) or data.get("layers") is None:
             return with_half(data, "radius", "diameter", *BEAD_RADIUS)
         for key in WITHIN_LAYERS:
@@ -109,6 +111,7 @@ class Bead(_Round):
     @field_validator("radius", mode="before")
     @classmethod
     def _outermost(cls, value: Any, info: ValidationInfo) -> Any:
+        """Return the radius of the outermost layer, if there are layers."""
         layers = info.data.get("layers", ())  # none in the data if they are not valid
         if layers is None:
             return value
@@ -116,12 +119,14 @@ class Bead(_Round):
 
     @model_validator(mode="after")
     def _some_index(self) -> Self:
+        """Refuse a bead without layers and without a refractive index."""
         if self.layers is None and self.refractive_index is None:
             raise refusal("refractive_index: missing")
         return self
 
     @model_validator(mode="after")
     def _from_the_core_outwards(self) -> Self:
+        """Refuse layers whose radii do not increase."""
         for i, (inner, outer) in enumerate(itertools.pairwise(self.layers or ()), start=1):
             if not outer.radius > inner.radius:
                 raise refusal(
@@ -131,6 +136,7 @@ class Bead(_Round):
         return self
 
     def _unsaid(self) -> frozenset[str]:
+        """Return the keys left out when the bead is written; with layers also the radius."""
         return self.filled if self.layers is None else self.filled | {"radius"}
 
     @property
@@ -148,7 +154,7 @@ class Bead(_Round):
 
     @property
     def index(self) -> complex:
-        """Refractive index n_P; of layers that of the outermost."""
+        """Refractive index n_P; with layers that of the outermost."""
         return self.shells[-1][1]
 
     @property
@@ -158,6 +164,7 @@ class Bead(_Round):
 
     @model_validator(mode="after")
     def _possible_inertia(self) -> Self:
+        """Refuse moments of inertia that no body has."""
         if self.moments_of_inertia:
             largest = max(self.moments_of_inertia)
             if largest > sum(self.moments_of_inertia) - largest:
@@ -169,6 +176,7 @@ class Bead(_Round):
 
 
 def _complex(index: float | tuple[float, float]) -> complex:
+    """Return a refractive index, a number or a pair of real and imaginary part, as complex."""
     return complex(*index) if isinstance(index, tuple) else complex(index)
 
 
@@ -202,6 +210,7 @@ class Medium(Filled):
 
     @model_validator(mode="after")
     def _poles_of_a_memory(self) -> Self:
+        """Refuse a number of poles for a fluid without hydrodynamic memory."""
         if self.poles is not None and self.inertia not in (None, "memory"):
             raise refusal(
                 f"poles: does not apply to inertia = {self.inertia!r}; remove it, or set inertia "
@@ -233,12 +242,13 @@ class Wall(Filled):
 
     @property
     def planes(self) -> tuple[tuple[float, float], ...]:
-        """Position, m, and normal of each plane."""
+        """Position z, m, and normal (1 or -1 along z, to the bead) of each plane."""
         first = self.position, self.normal
         return (first,) if self.opposite is None else (first, (self.opposite, -self.normal))
 
     @model_validator(mode="after")
     def _opposite_beyond(self) -> Self:
+        """Refuse a second plane that is not beyond the bead."""
         if self.opposite is not None and self.normal * (self.opposite - self.position) <= 0:
             raise refusal(
                 f"opposite = {self.opposite:g}: must be on the side of the bead, {self.side} "

@@ -37,7 +37,10 @@ Amplitude = Annotated[tuple[float, float], complex_number(1e100)]
 
 
 def _normalised(jones: tuple[Amplitude, Amplitude]) -> tuple[Amplitude, Amplitude]:
-    """`jones` at length 1; left as it is where it has that length, so that JSON keeps it."""
+    """Return a Jones vector scaled to length 1.
+
+    Within rounding of that length it stays as it is, so that writing and reading do not change it.
+    """
     length = math.hypot(*jones[0], *jones[1])
     if length < 1e-100:
         raise PydanticCustomError("jones", "must not both be 0")
@@ -81,6 +84,7 @@ class Lens(Section):
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
+        """Refuse a lens without the key that its map from pupil to angle requires."""
         if self.map == "tan" and self.focal_length is None:
             raise refusal("focal_length: missing; the tan map needs it")
         if self.map == "sine" and self.numerical_aperture is None:
@@ -161,6 +165,9 @@ class Beam(Section):
     @model_validator(mode="before")
     @classmethod
     def _one_way(cls, data: Any) -> Any:
+        """Replace a waist in the data by sigma, and give linear light without a Jones vector one
+        along x.
+        """
         if not isinstance(data, dict):
             return data
         if "waist" in data:
@@ -171,6 +178,9 @@ class Beam(Section):
 
     @model_validator(mode="after")
     def _keys_of_the_choices(self) -> Self:
+        """Refuse keys that do not belong to the chosen profile or polarisation, and a lack of those
+        that do.
+        """
         for key, (chooser, choices) in BELONGING["beam"].items():
             choice, given = getattr(self, chooser), getattr(self, key) is not None
             name = "sigma or waist" if key == "sigma" else key
@@ -187,12 +197,16 @@ class Beam(Section):
 
     @model_validator(mode="after")
     def _one_power(self) -> Self:
+        """Refuse a beam without a power, or with both."""
         given = {"power": self.power, "power_through_pupil": self.power_through_pupil}
         exactly_one(given, *given)
         return self
 
     @model_validator(mode="after")
     def _whole_table(self) -> Self:
+        """Refuse an intensity profile whose radii do not ascend from 0 or differ in number from
+        intensities.
+        """
         if self.profile_radius is None or self.profile_intensity is None:
             return self
         if len(self.profile_radius) != len(self.profile_intensity):

@@ -62,12 +62,14 @@ class Start(Section):
 
     @model_validator(mode="after")
     def _some_ball(self) -> Self:
+        """Refuse a radius of a ball without a start that is drawn from it, and the reverse."""
         if (self.drawn == "ball") != (self.ball_radius is not None):
             raise refusal("ball_radius: goes with drawn = 'ball', and with nothing else")
         return self
 
     @model_validator(mode="after")
     def _some_orientation(self) -> Self:
+        """Refuse Euler parameters that are all 0."""
         if math.hypot(*self.orientation) < 1e-100:
             raise refusal(
                 f"orientation = {list(self.orientation)}: the Euler parameters must not all be 0"
@@ -122,6 +124,7 @@ class Camera(Section):
 
     @model_validator(mode="after")
     def _within_a_frame(self) -> Self:
+        """Refuse an exposure longer than the time between frames."""
         longest = 1 / self.rate
         if self.exposure > longest * (1 + 1e-9):
             raise refusal(
@@ -132,12 +135,12 @@ class Camera(Section):
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """Recorded axes: "x" and "y", with "z" if the depth is recorded."""
+        """Recorded axes: "x" and "y", with "z" if the height is recorded."""
         return ("x", "y") if self.noise_along is None else ("x", "y", "z")
 
     @property
     def noises(self) -> tuple[float, ...]:
-        """Standard deviation of the noise along each axis that is seen, m."""
+        """Standard deviations of the noise along the recorded axes, m."""
         across = self.noise, self.noise
         return across if self.noise_along is None else (*across, self.noise_along)
 
@@ -192,6 +195,9 @@ class Simulation(Section):
 
     @model_validator(mode="after")
     def _scaled_by(self) -> Self:
+        """Refuse the scaled model without its factor a2, and fixed steps of methods that do not
+        take them.
+        """
         if self.model == "scaled" and self.scaling_factor is None:
             raise refusal("scaling_factor: missing; the scaled model needs it")
         if self.step is not None and self.method != "auto" and not METHODS[self.method].fixed_steps:
