@@ -90,7 +90,7 @@ def of_axis(
 
 
 def first(digits: Sequence[Finding], physical: Sequence[Finding]) -> list[Finding]:
-    """Return both kinds of findings, without physical causes for what the digits explain."""
+    """Return the findings about `digits`, then the `physical` ones that they do not explain."""
     if not digits:
         return list(physical)
     caused = _CAUSED | ({"stuck"} if "rounded" in [each.name for each in digits] else set())
@@ -98,7 +98,12 @@ def first(digits: Sequence[Finding], physical: Sequence[Finding]) -> list[Findin
 
 
 def _rounded(positions: Array, noise: float, unit: str, error: float) -> Finding | None:
-    """Return a finding if rounding contributes to the motion: as white noise for longer steps."""
+    """Return a finding if rounding of `positions` (n,), m or V, adds to their motion.
+
+    `noise` is the known noise, m or V, `unit` "m" or "V", and `error` the relative uncertainty of
+    the variance that is harmless. Where the bead moves by half a digit or more in a step, rounding
+    is white noise, which may be part of the known noise.
+    """
     step = step_of(positions)
     variance, moved = float(np.var(positions)), float(np.var(np.diff(positions)))
     rounding = step**2 / 12
@@ -115,7 +120,11 @@ def _rounded(positions: Array, noise: float, unit: str, error: float) -> Finding
 
 
 def _in_turn(positions: Array) -> Finding | None:
-    """Return a finding for rows of several beads in turn, whose motions are independent."""
+    """Return a finding if `positions` (n,) look like rows of several beads in turn.
+
+    Then each sample continues the one that many samples before, and displacements of different
+    beads are independent.
+    """
     positions = positions[:_ENOUGH]
     for beads in range(2, _MOST_IN_TURN + 1):
         whole = len(positions) // beads * beads
@@ -133,7 +142,10 @@ def _in_turn(positions: Array) -> Finding | None:
 
 
 def _shuffled(positions: Array) -> Finding | None:
-    """Return a finding for independent samples that are not Gaussian, unlike a trapped bead's."""
+    """Return a finding if samples are independent and not Gaussian, as in a wrong order.
+
+    Independent samples of a trapped bead would be Gaussian. `positions` is (n,).
+    """
     away = positions - positions.mean()
     if _autocorrelation(away, _LAGS).max() > _NONE / math.sqrt(len(away)):
         return None
@@ -147,13 +159,13 @@ def _shuffled(positions: Array) -> Finding | None:
 
 
 def _autocorrelation(series: Array, lags: int) -> Array:
-    """Return the absolute autocorrelation at the lags 1 to `lags`."""
+    """Return the absolute autocorrelation of a `series` (n,) of mean 0 at the lags 1 to `lags`."""
     products = [series[lag:] @ series[:-lag] for lag in range(1, lags + 1)]
     return np.abs(products) / (series @ series)
 
 
 def _probable(scaled: Array) -> bool:
-    """Return whether the excess kurtosis of independent samples agrees with a Gaussian."""
+    """Return whether the kurtosis of independent samples (n,) agrees with that of a Gaussian."""
     from scipy.stats import kurtosistest
 
     return bool(kurtosistest(scaled).pvalue >= IMPROBABLE)

@@ -1,4 +1,4 @@
-"""The response of a trapped bead to a moving stage, which active calibration measures.
+"""Response of a trapped bead to a moving stage, which active calibration measures.
 
 The fluid moves with the stage and displaces the bead. The displacement follows from stiffness and
 drag, so that the bead's signal determines the displacement sensitivity (S. F. Tolic-Norrelykke et
@@ -42,11 +42,11 @@ _AROUND = 50
 
 
 def driven_frequencies(drive: Array, step: float) -> list[float]:
-    """Frequencies (Hz) at which a stage oscillates, the strongest first; none if it does not.
+    """Return the frequencies, Hz, at which a stage oscillates, the strongest first.
 
-    drive: (n,) m, one every `step` (s). The largest of the spectrum by Hann's window that stands
-    out on both sides, refined where the sum over the record is largest, and so on for what is left
-    without it.
+    `drive` (n,), m, are positions of the stage every `step`, s. The largest ordinate of the
+    spectrum (Hann's window) that exceeds both sides is a frequency. It is refined, its oscillation
+    subtracted, and the search repeated. Empty if the stage does not oscillate.
     """
     from scipy.fft import rfft
     from scipy.ndimage import median_filter
@@ -77,7 +77,10 @@ def driven_frequencies(drive: Array, step: float) -> list[float]:
 
 
 def strongest_line(signal: Array, step: float, band: tuple[float, float]) -> float | None:
-    """The frequency (Hz) in a band that a signal (n,) is largest at; None if it has none there."""
+    """Return the frequency, Hz, in a band at which a signal (n,) is strongest.
+
+    `step`, s, is the sampling interval. None if no Fourier frequency of the signal is in the band.
+    """
     from scipy.fft import rfft
     from scipy.signal.windows import hann
 
@@ -90,7 +93,10 @@ def strongest_line(signal: Array, step: float, band: tuple[float, float]) -> flo
 
 
 def _refined(windowed: Array, peak: int, step: float) -> tuple[float, float]:
-    """Frequency (Hz) near an ordinate where the sum over a record is largest, and that sum."""
+    """Return the frequency, Hz, near ordinate number `peak` with the largest Fourier sum, and that.
+
+    `windowed` (n,) is a signal times a window, sampled every `step`, s. The sum has its unit.
+    """
     times = np.arange(len(windowed)) * step
 
     def missed(frequency: float) -> float:
@@ -104,14 +110,23 @@ def _refined(windowed: Array, peak: int, step: float) -> tuple[float, float]:
 
 
 def whole_periods(frequencies: Sequence[float], samples: int, step: float) -> int:
-    """The largest number of samples, up to one period less, that is nearest to whole periods."""
+    """Return the number of samples that is nearest to whole periods of all frequencies, Hz.
+
+    It is at most `samples` and at most one period of the lowest frequency less. `step`, s, is the
+    sampling interval.
+    """
     lengths = np.arange(max(samples - math.ceil(1 / (min(frequencies) * step)), 2), samples + 1)
     periods = np.outer(frequencies, lengths * step)
     return int(lengths[::-1][np.abs(periods - np.rint(periods)).max(axis=0)[::-1].argmin()])
 
 
 def motion(signal: Array, frequencies: Sequence[float], step: float) -> tuple[Complex, Array]:
-    """Amplitudes c of Re(c e^(i w t)) in a signal, and their sum with its mean (n,)."""
+    """Return the oscillations in a signal (n,) at given frequencies, Hz, by least squares.
+
+    The first result are complex amplitudes c, (frequencies,), of Re(c e^(i w t)), with w = 2 pi
+    frequency and t from 0 in steps of `step`, s. The second is the sum (n,) of these oscillations
+    and the mean of the signal.
+    """
     angles = 2 * np.pi * step * np.outer(frequencies, np.arange(len(signal)))
     waves = np.vstack([np.ones(len(signal)), np.cos(angles), np.sin(angles)])
     parts = np.linalg.solve(waves @ waves.T, waves @ signal)
@@ -121,20 +136,20 @@ def motion(signal: Array, frequencies: Sequence[float], step: float) -> tuple[Co
 
 @dataclass(frozen=True)
 class Drive:
-    """The motion of a stage in one record."""
+    """Motion of a stage in one record."""
 
     frequencies: tuple[float, ...]
-    """Hz, at which it oscillates; none for one that moves in another way"""
+    """Hz, frequencies at which the stage oscillates; empty for other motion"""
     amplitudes: Complex
-    """(frequencies,) m, with their phases"""
+    """(frequencies,) complex amplitudes of these oscillations, m"""
     uncertainty: Array
-    """(frequencies,) standard uncertainty of their real and of their imaginary parts, m"""
+    """(frequencies,) standard uncertainty of the real and of the imaginary part, m"""
     beside: Array
     """(samples,) m, the motion at all other frequencies"""
     step: float
-    """s"""
+    """sampling interval, s"""
     jumps: float
-    """part of the stage's way that it covers within single samples, from 0 to 1"""
+    """fraction of the stage's path that it covers in jumps between samples, from 0 to 1"""
 
     @classmethod
     def of(cls, drive: Array, step: float) -> Drive | None:
@@ -155,8 +170,10 @@ class Drive:
         )  # fmt: skip
 
     def answers(self, signal: Array) -> tuple[Array, tuple[Answer, ...], tuple[float, ...]]:
-        """The signal (samples,) without its answers to the drive, those that are seen, and the
-        frequencies (Hz) at which the sensor of the stage has noise that the bead does not follow.
+        """Separate a signal (n,), m or V, into its answers to the drive and the remainder.
+
+        Returns the remainder (samples,), the answers that are large enough to be seen, and the
+        frequencies, Hz, at which the sensor of the stage has noise that the bead does not follow.
         """
         signal = signal[: len(self.beside)]
         amplitudes, moved = motion(signal, self.frequencies, self.step)
@@ -185,7 +202,11 @@ class Drive:
 
 
 def _thermal(spectrum: tuple[Array, Array], lines: Sequence[float], at: float) -> float:
-    """Variance of the real part of an amplitude by the spectrum around it: S/t."""
+    """Return the variance of the real part of an amplitude at the frequency `at`, Hz.
+
+    It is S/t, with S the mean density of the `spectrum` (frequencies, Hz, and densities) around
+    it, without other `lines` (Hz), and t the duration of the record.
+    """
     frequencies, density = spectrum
     others = np.ones(len(frequencies), bool)
     for line in lines:

@@ -1,4 +1,4 @@
-"""Stiffness by the variance of positions, corrected for what a record shows of it."""
+"""Stiffness from the variance of positions, corrected for the parts that a record lacks."""
 
 from __future__ import annotations
 
@@ -19,18 +19,21 @@ _REACHES = (0.1, 0.5, 2.0, 8.0, 16.0)
 
 
 def equipartition(positions: Array, fits: Fits) -> tuple[float, float]:
-    """Stiffness by the variance of positions, whose relative variance is that of the spectrum."""
+    """Return the stiffness from the variance of `positions` (n,), m, and its uncertainty, N/m.
+
+    The uncertainty of the variance follows from the fitted spectrum.
+    """
     k = float(Boltzmann * fits.fit.bead.temperature / np.var(positions))
     relative = math.sqrt(relative_variance_of_variance(fits.fit.bead, fits.whole))
     return corrected(k, k * relative, fits)
 
 
 def corrected(k: float, uncertainty: float, fits: Fits) -> tuple[float, float]:
-    """k from k_B T over the variance of the record, corrected for what differs from the motion's.
+    """Correct a stiffness k = k_B T/(variance of the record), N/m, and its uncertainty, N/m.
 
-    Missing are the variance of the mean, what was left out of the record and what the detector does
-    not show; its noise is too much.
-    Both depend on what was fitted, whose uncertainty adds to that of k.
+    The variance of a record lacks the variance of its mean, the parts that were left out and the
+    motion that the detector does not show, and it contains the detector's noise. These follow from
+    the `fits`, whose uncertainties add to that of k.
     """
     whole, fit, bead = fits.whole, fits.fit, fits.fit.bead
     relative_square = (uncertainty / k) ** 2
@@ -43,7 +46,7 @@ def corrected(k: float, uncertainty: float, fits: Fits) -> tuple[float, float]:
         return k, k * math.sqrt(relative_square)
 
     def shown(stiffness: float) -> float:
-        """The stiffness that such a bead seems to have."""
+        """Return k_B T/(recorded variance), N/m, for a bead of some true stiffness, N/m."""
         other = dataclasses.replace(bead, stiffness=stiffness)
         return Boltzmann * bead.temperature / other.variance
 
@@ -60,8 +63,8 @@ def corrected(k: float, uncertainty: float, fits: Fits) -> tuple[float, float]:
         slope = math.log(shown(found * 1.001) / shown(found / 1.001)) / math.log(1.001**2)
         return found, found * math.sqrt(relative_square) / slope
 
-    # the fit tells what part of the motion is shown
     def hidden(other: TrappedBead) -> Array:
+        """Return ln(stiffness times recorded variance), which depends on the detector alone."""
         return np.array(math.log(other.stiffness * other.variance))
 
     found = k * bead.stiffness / shown(bead.stiffness)

@@ -1,4 +1,4 @@
-"""Autocovariance, mean squared displacement and power spectrum, of a record and of a model."""
+"""Autocovariance, mean squared displacement and power spectral density of a record and a model."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ _EQUAL = 1e-6
 
 
 def power_spectrum(positions: Array, step: float, segments: int = 1) -> tuple[Array, Array]:
-    """One-sided power spectral density by Bartlett's method.
+    """Return frequencies, Hz, and the one-sided power spectral density, m^2/Hz, of a record.
 
-    positions: (n,) m, one every `step` (s). Returns frequencies (Hz) and densities (m^2/Hz), for
-    the Fourier frequencies between 0 and Nyquist's, both excluded: the periodogram averaged over
-    `segments` equal parts without overlap, each minus its mean. For a series much longer than its
-    correlation time, the ratio of each value to its expectation is an independent
+    `positions` (n,), m, are sampled every `step`, s. The frequencies are the Fourier frequencies
+    between 0 and Nyquist's, both excluded. The density is the periodogram averaged over `segments`
+    equal parts without overlap, each minus its mean (Bartlett's method). For a series much longer
+    than its correlation time, the ratio of each value to its expectation is an independent
     Gamma(segments)/segments.
     """
     from scipy.fft import rfft
@@ -64,7 +64,7 @@ def power_spectrum(positions: Array, step: float, segments: int = 1) -> tuple[Ar
 
 
 def within(frequencies: Array, bands: Iterable[tuple[float, float]]) -> NDArray[np.bool_]:
-    """Return which frequencies are in one of the bands."""
+    """Return which frequencies (n,), Hz, are in one of the bands (lowest, highest), Hz."""
     found = np.zeros(frequencies.shape, bool)
     for low, high in bands:
         found |= (frequencies >= low) & (frequencies <= high)
@@ -118,7 +118,10 @@ def mean_squared_displacement(positions: Array, lags: NDArray[np.int64] | None =
 
 
 def _products(positions: Array, lags: NDArray[np.int64] | None = None) -> Array:
-    """Sums (lags,) of the products of two deviations from the mean, at all lags if None."""
+    """Return the sums (lags,), m^2, of products of two deviations from the mean, a lag apart.
+
+    `positions` (n,), m, and `lags` in samples; None: all lags from 0 to n - 1, by FFT.
+    """
     from scipy.fft import irfft, next_fast_len, rfft
 
     n = len(positions)
@@ -131,12 +134,12 @@ def _products(positions: Array, lags: NDArray[np.int64] | None = None) -> Array:
 
 
 def statistical_inefficiency(series: Array) -> float:
-    """Number of samples of `series` (n,) per independent sample: 1 + 2 sum rho_j, at least 1.
+    """Return the number of samples of a `series` (n,) per independent sample, at least 1.
 
-    The sum ends at a lag of three times its value (A. Sokal's window), and is corrected for the
-    mean of the record (U. Wolff, Comput. Phys. Commun. 156, 143 (2004)). A series that stays
-    correlated to its end has n. A long series is first averaged over short blocks, which leaves its
-    mean as it is.
+    It is 1 + 2 sum rho_j, where rho_j is the correlation at a lag of j samples. The sum ends at a
+    lag of three times its value (A. Sokal's window), and is corrected for the mean of the record
+    (U. Wolff, Comput. Phys. Commun. 156, 143 (2004)). A series that stays correlated to its end has
+    n. A long series is first averaged over short blocks, which leaves its mean as it is.
     """
     of_one = float(np.var(series))
     if of_one <= 0:
@@ -146,12 +149,17 @@ def statistical_inefficiency(series: Array) -> float:
 
 
 def standard_error(series: Array) -> float:
-    """Standard error of the mean of a correlated `series` (n,), by its statistical inefficiency."""
+    """Return the standard error of the mean of a correlated `series` (n,).
+
+    It follows from the statistical inefficiency, the number of samples per independent sample.
+    """
     return math.sqrt(np.var(series) * statistical_inefficiency(series) / len(series))
 
 
 def block_means(series: Array) -> Array:
-    """Means (blocks,) of successive blocks of a long `series` (n,), without its last samples.
+    """Return the means (blocks,) of successive blocks of a long `series` (n,).
+
+    Up to one block of samples at its end is left out.
 
     There are enough blocks to estimate a variance of the mean to 1 % where their length exceeds the
     correlation time; where it does not, the blocks resolve the correlation.
@@ -163,7 +171,9 @@ def block_means(series: Array) -> Array:
 
 
 def variance_of_means(series: Array) -> float:
-    """Variance of the mean of a correlated `series` (n,), by Sokal's window.
+    """Return the variance of the mean of a correlated `series` (n,).
+
+    It is a sum of correlations up to Sokal's window (`statistical_inefficiency`).
 
     If the series stays correlated to its end, this is the variance of one sample.
     """
@@ -180,14 +190,18 @@ def variance_of_means(series: Array) -> float:
 
 
 def _overlap(v: NDArray[Any]) -> NDArray[Any]:
-    """h(v) = e^-v - 1 + v: twice the integral of e^-r|s-t| over 0 < s, t < v/r is 2 h(v)/r^2."""
+    """Return h(v) = e^-v - 1 + v, by a series for small v, where its terms cancel.
+
+    A mean over an exposure contains it: the integral of e^(-r|s - t|) over 0 < s, t < v/r is
+    2 h(v)/r^2.
+    """
     series = v**2 / 2 * (1 - v / 3 * (1 - v / 4 * (1 - v / 5 * (1 - v / 6))))
     return np.where(np.abs(v) < _SHORT, series, np.expm1(-v) + v)
 
 
 @dataclass(frozen=True)
 class TrappedBead:
-    """A bead in a harmonic trap, m x'' + drag + k x = thermal noise, and its recording.
+    """Bead in a harmonic trap, m x'' + drag + k x = thermal noise, and its recording.
 
     Without a mass it is overdamped: the Ornstein-Uhlenbeck process. Drag is beta x', or with the
     mass of the displaced fluid that of Boussinesq and Basset, gamma(s) = beta (1 + sqrt(s tau_f) +
@@ -239,12 +253,12 @@ class TrappedBead:
 
     @property
     def corner_frequency(self) -> float:
-        """k/(2 pi beta), Hz."""
+        """Corner frequency k/(2 pi beta), Hz."""
         return self.stiffness / (2 * math.pi * self.drag)
 
     @property
     def diffusion(self) -> float:
-        """k_B T/beta, m^2/s: Einstein."""
+        """Diffusion coefficient k_B T/beta, m^2/s (Einstein)."""
         return Boltzmann * self.temperature / self.drag
 
     @property
@@ -257,7 +271,7 @@ class TrappedBead:
 
     @property
     def seen_as_it_is(self) -> bool:
-        """Whether what is recorded is the position itself, apart from a factor."""
+        """Whether recorded positions equal the true ones, apart from a factor."""
         return not (self.exposure or self.diode_frequency or self.noise)
 
     @property
@@ -270,14 +284,17 @@ class TrappedBead:
 
     @property
     def _inertia(self) -> float:
-        """Mass that moves at once: the bead's, and half that of the fluid in its place, kg."""
+        """Mass that resists fast motion, kg: the bead's, and the added mass of the fluid.
+
+        The added mass is half that of the fluid in the bead's place, or more beside a wall.
+        """
         if not self.displaced_mass:
             return self.mass or 0.0
         return (self.mass or 0.0) + self._memory.added * self.displaced_mass
 
     @property
     def _memory(self) -> Memory:
-        """The fluid's, of that many poles."""
+        """Hydrodynamic memory of the fluid, far from walls or beside one, with `poles` poles."""
         from tweezer.fluid import memory_beside, memory_far
 
         if self.wall is None:
@@ -285,7 +302,10 @@ class TrappedBead:
         return memory_beside(self.wall, across=self.across, poles=self.poles)
 
     def _drag_at(self, frequencies: Array) -> Complex:
-        """gamma(2 pi i f), kg/s, at `frequencies` (Hz), with the added mass."""
+        """Return the complex drag gamma(2 pi i f), kg/s, at `frequencies` (n,), Hz.
+
+        It includes the added mass and the memory of the fluid.
+        """
         from tweezer.fluid import drag_at
 
         fluid = self.displaced_mass or 0.0
@@ -312,7 +332,8 @@ class TrappedBead:
     def _decays(self) -> Decays:
         """Amplitudes (m^2) and rates (1/s) of the exponentials in the autocovariance.
 
-        With memory C(s) = (k_B T/k) Z/(s Z + k), of which the rates are the poles.
+        With memory its Laplace transform is C(s) = (k_B T/k) Z/(s Z + k), where Z(s) = m s +
+        gamma(s) is the impedance of the bead. The rates are the poles of C at -s.
         """
         if not self.displaced_mass:
             return self._forgetful
@@ -325,12 +346,17 @@ class TrappedBead:
 
     @cached_property
     def _detected(self) -> Decays:
-        """Amplitudes (m^2 or V^2) and rates (1/s) of the exponentials in that of the signal."""
+        """Amplitudes (m^2 or V^2) and rates (1/s) in the signal's autocovariance.
+
+        The response multiplies those of the position, and a diode adds its own rate. Exposure and
+        noise are not included.
+        """
         square = self.response**2
         decays = [(square * amplitude, rate) for amplitude, rate in self._decays]
         if not self.diode_frequency:
             return decays
         w = 2 * math.pi * self.diode_frequency
+        # equal rates of bead and diode would divide by zero: shift the latter a little
         while any(abs(rate / w - 1) < _EQUAL for _, rate in decays):
             w *= 1 + 2 * _EQUAL
         late = 1 - self.diode_fraction**2
@@ -342,7 +368,10 @@ class TrappedBead:
         return _plain([*seen, (of_diode.real, w)])
 
     def autocovariance(self, times: ArrayLike) -> Array:
-        """<x(0) x(t)>, m^2 or V^2, of recorded positions, at `times` (s)."""
+        """Return the autocovariance <x(0) x(t)>, m^2 or V^2, of recorded positions.
+
+        `times` are the lags t, s. Exposure, diode and noise are included.
+        """
         past = np.abs(np.asarray(times, np.float64))
         covariance = np.where(past == 0, self.noise**2, 0.0)
         for amplitude, rate in self._detected:
@@ -375,7 +404,10 @@ class TrappedBead:
         return np.asarray(force / np.abs(resistance) ** 2 * self._passed(f))
 
     def _passed(self, frequencies: Array) -> Array:
-        """Power of the signal over that of the motion, of which it is the mean over an exposure."""
+        """Return the ratio of the power of the signal to that of the motion at `frequencies`, Hz.
+
+        It contains the response, the exposure and the diode, but no noise.
+        """
         passed = (self.response * np.sinc(frequencies * self.exposure)) ** 2
         if self.diode_frequency:
             square = self.diode_fraction**2
@@ -383,11 +415,12 @@ class TrappedBead:
         return np.asarray(passed)
 
     def driven(self, frequencies: ArrayLike) -> Complex:
-        """Signal by motion of the stage, V/m or 1, at `frequencies` (Hz), without noise.
+        """Return the complex ratio of signal to stage motion, V/m or 1, at `frequencies`, Hz.
 
         The fluid, and a wall, move with the stage: gamma (s x - s x_s) + k x + m s^2 x = m_f s^2
-        x_s, the last for the pressure that moves it (M. R. Maxey and J. J. Riley, Phys. Fluids 26,
-        883 (1983)). The phase is that of the motion.
+        x_s. Here x is the position, x_s that of the stage, s = 2 pi i f, and the last term the
+        pressure that moves the fluid (M. R. Maxey and J. J. Riley, Phys. Fluids 26, 883 (1983)).
+        The phase is that of the motion.
         """
         f = np.asarray(frequencies, np.float64)
         s = 2j * np.pi * f
@@ -399,13 +432,14 @@ class TrappedBead:
     def sampled_spectrum(
         self, frequencies: ArrayLike, step: float, samples: float = math.inf
     ) -> Array:
-        """One-sided power spectral density, m^2/Hz or V^2/Hz, of positions every `step` (s).
+        """Return the one-sided power spectral density, m^2/Hz or V^2/Hz, of sampled positions.
 
-        It includes all aliases: it is the Fourier sum over the autocovariance of the samples, which
-        from lag 1 on is a sum of geometric series (S. F. Norrelykke and H. Flyvbjerg, Phys. Rev.
-        E 83, 041103 (2011)). With `samples`, the expected periodogram at the Fourier frequencies of
-        a record of that length, which also includes leakage (A. M. Sykulski et al., Biometrika 106,
-        251 (2019)). The exposure must not exceed the step.
+        `frequencies` are in Hz and `step`, s, is the sampling interval. The density includes all
+        aliases: it is the Fourier sum over the autocovariance of the samples, which from lag 1 on
+        is a sum of geometric series (S. F. Norrelykke and H. Flyvbjerg, Phys. Rev. E 83, 041103
+        (2011)). With `samples`, the expected periodogram at the Fourier frequencies of a record of
+        that length, which also includes leakage (A. M. Sykulski et al., Biometrika 106, 251
+        (2019)). The exposure must not exceed the step.
         """
         angle = 2 * np.pi * step * np.asarray(frequencies, np.float64)
         away = 2 * np.sin(angle / 2) ** 2  # 1 - cos
@@ -432,12 +466,12 @@ class TrappedBead:
         return 2 * step * density
 
     def variance_of_mean(self, step: float, samples: float) -> float:
-        """Variance of the mean of `samples` positions taken every `step` (s), m^2."""
+        """Return the variance, m^2, of the mean of `samples` positions taken every `step`, s."""
         return float(self.sampled_spectrum(0.0, step, samples)) / (2 * step * samples)
 
 
 def _plain(decays: Iterable[tuple[complex, complex]]) -> Decays:
-    """The same with real numbers where they are real."""
+    """Return decays with real numbers in place of complex ones whose rate is real."""
     return [
         (complex(a), complex(r)) if complex(r).imag else (complex(a).real, complex(r).real)
         for a, r in decays
@@ -445,20 +479,25 @@ def _plain(decays: Iterable[tuple[complex, complex]]) -> Decays:
 
 
 def _rings(decay: tuple[complex, complex]) -> bool:
+    """Return whether a decay (amplitude, rate) oscillates; `_plain` leaves only those complex."""
     return isinstance(decay[1], complex)
 
 
 def _relaxation(inertia: float, stiffness: float, memory: Memory) -> tuple[Complex, Complex]:
-    """Parts and rates (1/tau_f) of the exponentials in the autocovariance of a bead with memory.
+    """Return the exponentials in the autocovariance of a bead with memory: parts and rates r.
 
-    inertia: with the added mass, in beta tau_f; stiffness: k, in beta/tau_f. The rates are the
-    zeros at -s of D(s) = s Z(s) + k with Z = inertia s + 1 + sum c s/(s + p): eigenvalues of the
-    equations of the bead and as many masses, which it drags by dashpots c, each variable in units
-    of its thermal size; and then by Newton's method. The parts are k/(r D'(-r)); they add up to 1.
+    Units are the drag beta and the time tau_f = 9 m_f/(2 beta) that vorticity takes to diffuse over
+    the bead (m_f: mass of the displaced fluid). `inertia` is the mass with the added mass, in
+    beta tau_f, `stiffness` k, in beta/tau_f, and the rates are in 1/tau_f. `memory` has rates p and
+    weights c. With the impedance Z(s) = inertia s + 1 + sum c s/(s + p), the rates are r = -s at
+    the zeros of D(s) = s Z(s) + k. They are eigenvalues of the equations of the bead and as many
+    masses as poles, which it drags by dashpots c, refined by Newton's method. The parts, relative
+    to the variance, are k/(r D'(-r)) and add up to 1.
     """
     p, c = memory.rates[::-1], memory.weights[::-1]
     n = len(p)
     each = np.arange(n)  # the fast ones first: small eigenvalues keep their digits
+    # where two rates are equal, a slightly different stiffness separates them
     for k in stiffness * (1 + _DOUBLE * np.arange(3)):
         matrix = np.zeros((n + 2, n + 2))
         matrix[each, each] = -p

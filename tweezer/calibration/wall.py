@@ -1,4 +1,4 @@
-"""The height of a bead above a wall, and what it makes of the drag along each axis."""
+"""Height of a bead above a wall, and its effect on the drag along each axis."""
 
 from __future__ import annotations
 
@@ -15,23 +15,24 @@ ACROSS = "z"
 
 @dataclass(frozen=True)
 class Height:
-    """Where the centre of a bead is, from a wall across the light."""
+    """Height of a bead's centre above a wall across the light."""
 
     distance: float
-    """m, of the bead's centre from the wall"""
+    """distance of the bead's centre from the wall, m"""
     uncertainty: float
-    """its standard uncertainty, m"""
+    """standard uncertainty of `distance`, m"""
     radius: float
-    """of the bead, m"""
+    """radius of the bead, m"""
 
     @classmethod
     def of(
         cls, name: str, wall: QuantityLike | tuple[QuantityLike, QuantityLike], radius: float | None
     ) -> Height:
-        """The height that is said: a number in m, or text; perhaps with its uncertainty.
+        """Return the height in an argument: a number in m or text, perhaps with an uncertainty.
 
-        name: of the recording. Raises `ResultError`, naming it, for a bead that would be in the
-        wall, without a radius, and for an uncertainty that leaves no gap.
+        `name` is that of the recording, and `radius`, m, that of the bead. Raises `ResultError`,
+        naming it, for a bead that would be in the wall, without a radius, and for an uncertainty
+        that leaves no gap.
         """
         from tweezer.forces.wall import CLOSEST
 
@@ -65,13 +66,13 @@ class Height:
         return self.distance / self.radius
 
     def mobility(self, axis: str) -> float:
-        """Along an axis, over that far from the wall."""
+        """Return the mobility along an axis over the mobility far from the wall, a number."""
         from tweezer.fluid import steady
 
         return steady(self.radii - 1)[int(axis == ACROSS)]
 
     def relative_uncertainty(self, axis: str) -> float:
-        """Standard uncertainty of the drag along an axis, of it, by that of the height."""
+        """Return the relative uncertainty of the drag along an axis that the height's causes."""
         from tweezer.fluid import steady
 
         *mobility, along, across = steady(self.radii - 1)

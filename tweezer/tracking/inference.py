@@ -51,26 +51,28 @@ _TEN_PER_CENT = math.log(1.1)
 
 @dataclass(frozen=True)
 class FittedKey:
-    """A key of a scene, as recordings tell it."""
+    """Key of a scene as determined by recordings: value, uncertainty and confidence interval."""
 
     key: str
+    """key of the scene, such as "beam.power\""""
     unit: str
-    """SI; "" for a number"""
+    """SI unit of `value`; "" for a number"""
     value: float
-    """of the largest likelihood"""
+    """value of largest likelihood"""
     uncertainty: float | None
-    """standard uncertainty: the interval over 3.92; None if `determined` is False"""
+    """standard uncertainty: length of the interval over 3.92; None if `determined` is False"""
     interval: tuple[float | None, float | None]
-    """95 % confidence by profile likelihood; None for an end farther off than a factor of 1.65 or
-    half a radius, or beyond what a scene may have"""
+    """95 % confidence interval by profile likelihood; None for an end that is further from `value`
+    than a factor of 1.65 or half a radius, or that no scene allows"""
     determined: bool
-    """whether both ends are told, the fit has converged and the residuals are those of the scene"""
+    """whether both ends are finite, the fit has converged and the residuals agree with the scene"""
     profile: tuple[tuple[float, float], ...]
-    """values of the key, and least misfit there, -2 log(likelihood), above the least of all"""
+    """pairs of a value of the key and the smallest -2 log(likelihood) there over the other keys,
+    less the smallest of all"""
 
     @property
     def told(self) -> tuple[str, str]:
-        """Value and interval in the usual unit of its size, and that it is not determined."""
+        """Value with interval, in a unit of suitable size, and "not determined" or ""."""
         factor, unit = usual_unit(self.value, self.unit)
         uncertainty = math.nan if self.uncertainty is None else self.uncertainty / factor
         value = f"{with_uncertainty(self.value / factor, uncertainty)} {unit}".rstrip()
@@ -81,15 +83,16 @@ class FittedKey:
 
 @dataclass(frozen=True, repr=False)
 class SceneFit(Shown):
-    """What recordings tell of a scene, SI."""
+    """Result of a fit of a scene to recordings, in SI."""
 
     names: tuple[str, ...]
-    """of the recordings"""
+    """names of the recordings"""
     scene: Scene
-    """with the fitted values"""
+    """scene with the fitted values"""
     keys: tuple[FittedKey, ...]
+    """fitted keys, in the given order"""
     log_likelihood: float
-    """to compare fits to the same recordings"""
+    """largest log-likelihood, to compare fits to the same recordings"""
     frames: int
     p_value: float
     """probability of spectra that deviate as much or more from those of the scene"""
@@ -107,7 +110,7 @@ class SceneFit(Shown):
         return next(each for each in self.keys if each.key == key)
 
     def card(self) -> Card:
-        """A row for each key, what the residuals say, and the light."""
+        """Card with a row for each key, the p-value of the residuals, and the light."""
         rows = [Row(each.key, *each.told) for each in self.keys]
         unlikely = self.p_value < REFUTED
         rows += [
@@ -204,6 +207,7 @@ def fit(
 
 
 def _loaded(recordings: Any) -> list[Recording]:
+    """Return recordings, loaded if they are files or datasets; refuse voltages."""
     several = isinstance(recordings, Sequence) and not isinstance(recordings, str)
     loaded = [
         each if isinstance(each, Recording) else load_recording(each)
@@ -236,7 +240,7 @@ def _refuse_unsettled(recording: Recording) -> None:
 
 
 def _likelihood(misfit: Misfit) -> str:
-    """Which spectra are fitted, in words."""
+    """Return the words for the fitted spectra: frequencies, sampling intervals and inertia."""
     steps = [each.step for each in misfit.recordings]
     lowest = min(float(each.periodogram.frequencies[0]) for each in misfit.spectra)
     bands = [_short(lowest, "1/s"), _short(0.5 / min(steps), "1/s")]
@@ -248,6 +252,7 @@ def _likelihood(misfit: Misfit) -> str:
 
 
 def _short(value: float, unit: str) -> str:
+    """Return a number in SI with three digits, in a unit of suitable size."""
     factor, name = usual_unit(value, unit)
     return f"{value / factor:.3g} {name}"
 
@@ -259,7 +264,10 @@ def _told(
     found: Sequence[FittedKey],
     p: float,
 ) -> list[str]:
-    """What the recordings tell, in words; first of all what they do not."""
+    """Return sentences about which keys the recordings determine, the most serious doubts first.
+
+    `rivals` are other minima of the misfit that are not excluded, and `p` the p-value of the fit.
+    """
     lines = []
     at_ends = [
         key.key
@@ -294,7 +302,10 @@ def _told(
 
 
 def _degenerate(misfit: Misfit, best: Least, lost: Sequence[str]) -> list[str]:
-    """Return the combination of keys that changes the likelihood least, if two are undetermined."""
+    """Return words for the combination of keys that changes the likelihood least, or nothing.
+
+    `lost` are the undetermined keys; with fewer than two of them there is no such combination.
+    """
     sizes, directions = np.linalg.eigh(best.information)
     direction = directions[:, 0]
     involved = [i for i, key in enumerate(misfit.keys) if key.key in lost]
@@ -311,7 +322,7 @@ def _degenerate(misfit: Misfit, best: Least, lost: Sequence[str]) -> list[str]:
 
 
 def _rivals(misfit: Misfit, rivals: Sequence[Least]) -> list[str]:
-    """Other scenes that the recordings do not exclude."""
+    """Return words for the other minima of the misfit that the recordings do not exclude."""
     lines = []
     for rival in rivals:
         values = (
@@ -323,7 +334,11 @@ def _rivals(misfit: Misfit, rivals: Sequence[Least]) -> list[str]:
 
 
 class _Interval:
-    """The interval of a key by the least misfit over the others."""
+    """Confidence interval of a key, by the smallest misfit over the other keys.
+
+    `index` is the number of the key and `best` the minimum of the misfit over all keys. A place q
+    is the key's coordinate in the fit (`FreeKey`): a logarithm, or a distance in radii.
+    """
 
     def __init__(self, misfit: Misfit, best: Least, index: int) -> None:
         self._misfit, self._best, self._index = misfit, best, index
@@ -331,7 +346,7 @@ class _Interval:
         covariance = np.linalg.inv(best.information + _FAINT * np.eye(len(best.at)))
         variance = float(covariance[index, index])
         self._spread = math.sqrt(variance)
-        # where the others go with it
+        # change of the other keys at the minimum, per change of this one
         self._along = covariance[:, index] / variance
         self._known: dict[float, float] = {float(best.at[index]): 0.0}
 
@@ -355,7 +370,10 @@ class _Interval:
         )  # fmt: skip
 
     def _rise(self, q: float) -> float:
-        """Square root of the least misfit with the key there, above the least of all."""
+        """Return the square root of the misfit with the key fixed at the place q, above `best`.
+
+        The other keys are fitted. The square root is nearly linear in the distance from `best`.
+        """
         if q not in self._known:
             begin = self._best.at + self._along * (q - self._best.at[self._index])
             begin = np.clip(begin, *self._misfit.bounds.T)
@@ -365,9 +383,10 @@ class _Interval:
         return math.sqrt(max(self._known[q], 0.0))
 
     def _end(self, at: float, way: float) -> float | None:
-        """Where the misfit has risen by 3.84.
+        """Return the place where the misfit exceeds its minimum by 3.84, below or above `at`.
 
-        None if it does not up to `_DETERMINED`, or at once, where there is no such scene.
+        `way` is -1 for the lower end and 1 for the upper. None if the misfit does not rise as much
+        within `_DETERMINED`, or if it jumps there because no such scene exists.
         """
         limit = float(np.clip(at + way * _DETERMINED, self._low, self._high))
         level = math.sqrt(LEVEL)
@@ -381,6 +400,7 @@ class _Interval:
             return None
 
         def above(q: float) -> float:
+            """Return how far the root of the misfit is above the level, bounded for no trap."""
             return min(self._rise(q), 10 * level) - level
 
         tolerance = _END * abs(outer - at)

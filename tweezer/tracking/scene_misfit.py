@@ -55,7 +55,12 @@ _AXES = ("x", "y", "z")
 
 
 class FreeKey:
-    """A free key, and its place on a line: a logarithm, or in radii where it is not positive."""
+    """Free key of a scene, and its place q on a line, the coordinate in which it is fitted.
+
+    q is 0 at the value in the scene. For a quantity that is never negative it is the logarithm of
+    the ratio to that value. For others it is the difference in units of `unit`: the radius of the
+    bead for a length, or the size of the value in the scene.
+    """
 
     def __init__(self, scene: Scene, key: str) -> None:
         quantity, _ = described_at(key)
@@ -84,68 +89,73 @@ class FreeKey:
             self.unit = scene.body.size if quantity.unit == "m" else abs(self.given) or 1.0
 
     def value(self, q: float) -> float:
-        """In SI."""
+        """Return the value at the place q, in SI."""
         if self.logarithmic:
             return self.given * math.exp(q)
         return float(self.given + self.unit * q)
 
     def place(self, value: float) -> float:
-        """Of a value in SI."""
+        """Return the place q of a value in SI."""
         if self.logarithmic:
             return math.log(value / self.given)
         return (value - self.given) / self.unit
 
     @property
     def reach(self) -> float:
-        """Largest distance from the first guess."""
+        """Largest |q|, the distance of a place from the first guess."""
         return math.log(_REACH) if self.logarithmic else _REACH
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Of the place: what a scene allows, and not farther than `reach`."""
+        """Lowest and highest place q that a scene allows, at most `reach` from the first guess."""
         reach = self.reach
         low, high = self.quantity.low, min(self.quantity.high, self._most)
         lowest = -math.inf if self.logarithmic and low <= 0 else self.place(low)
         return max(lowest, -reach), min(self.place(high), reach)
 
     def change(self, step: float) -> str:
-        """A step of the place, in words."""
+        """Return words for the change of the key by a step of its place."""
         if self.logarithmic:
             part = math.expm1(step)
             return f"{100 * abs(part):.2g} % {'more' if part > 0 else 'less'} {self.key}"
         return f"{self.key} {'+' if step > 0 else '-'} {abs(self.unit * step):.2g}"
 
     def setting(self, q: float) -> str:
-        """The value as `with_settings` takes it."""
+        """Return the value at the place q with its unit, as `with_settings` reads it."""
         return f"{self.value(q)!r} {self.quantity.unit}".rstrip()
 
 
 class Least(NamedTuple):
-    """A minimum of the misfit."""
+    """Minimum of the misfit over the places of n keys."""
 
     at: Array
-    """(n,) place"""
+    """(n,) place q of each key (`FreeKey`)"""
     value: float
+    """-2 log(likelihood) there, less a constant of the recordings"""
     information: Array
-    """(free, free): half the second derivatives of the misfit, by the slopes of the deviances"""
+    """(free, free) half the second derivatives of the misfit by the keys that were not fixed"""
     converged: bool
+    """whether the search ended at a minimum"""
 
 
 @dataclass(frozen=True)
 class Bound:
-    """A scene with a trap."""
+    """Scene that traps its bead, and the harmonically trapped beads that replace it."""
 
     scene: Scene
     beads: dict[str, TrappedBead]
-    """along each axis: stiffness and drag are means over the thermal motion"""
+    """bead by axis; stiffness and drag are means over the thermal motion"""
     bending: float
-    """largest part that is not harmonic, of the stiffness: how far the mean stiffness is from that
-    at the equilibrium, or how strongly the light turns the bead about the axis. Spectra are right
-    to first order in it"""
+    """largest relative deviation of the trap from a harmonic one: the difference between the mean
+    stiffness and that at the equilibrium, or the gradient of the force that drives the bead round
+    the axis, both over the stiffness. Spectra are right to first order in it"""
 
 
 class Misfit:
-    """-2 log(likelihood) of recordings over the places of the free keys."""
+    """Misfit, -2 log(likelihood), of recordings as a function of the places of the free keys.
+
+    A place q (n,) has one coordinate for each of the n free keys (`FreeKey`). It is 0 at the scene.
+    """
 
     def __init__(self, recordings: Sequence[Recording], scene: Scene, free: Sequence[str]) -> None:
         if not free:
@@ -172,7 +182,7 @@ class Misfit:
             raise ResultError(f"{scene.name}: {begin}")
 
     def scene(self, q: Array) -> Scene:
-        """The scene at a place."""
+        """Return the scene with the values of the free keys at the place q (n,)."""
         settings = {key.key: key.setting(at) for key, at in zip(self.keys, q, strict=True)}
         return with_settings(self._scene, settings)
 
@@ -181,6 +191,7 @@ class Misfit:
         return self._bound(tuple(q.tolist()))
 
     def _bind(self, place: tuple[float, ...]) -> Bound | str:
+        """Compute `bound`; the place is a tuple, which can be the key of a cache."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UnitWarning)
             warnings.simplefilter("ignore", PhysicsWarning)
@@ -214,9 +225,10 @@ class Misfit:
         return Bound(scene, beads, max(float(bending), abs(rest.turn) / mean.stiffness[:2].min()))
 
     def __call__(self, q: Array) -> Array:
-        """Return the deviances of all spectra, whose sum of squares is the misfit.
+        """Return the deviances (blocks,) of all spectra, whose sum of squares is the misfit.
 
-        Without a trap they exceed all others.
+        A deviance is the signed square root of the contribution of a block of frequencies. Without
+        a trap they exceed all others.
         """
         q = np.clip(q, *self.bounds.T)
         if isinstance(self.bound(q), str):
@@ -258,15 +270,20 @@ class Misfit:
         return sorted(found, key=lambda each: each.value)
 
     def least(self, begin: Array, fixed: int | None = None) -> Least:
-        """The least that Gauss's and Newton's steps reach, with all keys free but `fixed`."""
+        """Return the minimum that the Gauss-Newton method reaches from the place `begin` (n,).
+
+        `fixed` is the number of a key that keeps its place; None: all keys are free.
+        """
         free = np.arange(len(begin)) != fixed
 
         def whole(values: Array) -> Array:
+            """Return the place of all keys for the places of the free ones."""
             q = begin.copy()
             q[free] = values
             return q
 
         def slopes(values: Array) -> Array:
+            """Return the derivatives (blocks, free) of the deviances by the free places."""
             here, q = self(whole(values)), whole(values)
             high = self.bounds[:, 1]
             columns = []
@@ -290,7 +307,10 @@ class Misfit:
 
 
 def _height(scene: Scene, z: float) -> float | None:
-    """Distance of a bead's centre from the nearest wall, in radii; None far from walls."""
+    """Return the distance of the bead's centre at height z, m, from the nearest wall, in radii.
+
+    None if there is no wall, or the wall is too far to change the hydrodynamic memory.
+    """
     if scene.wall is None:
         return None
     height = 1 + float(scene.room(z)) / scene.body.size
@@ -303,9 +323,9 @@ def _exposed(bead: TrappedBead, spectrum: Whitened) -> TrappedBead:
 
 
 def _with_camera(scene: Scene, recordings: Sequence[Recording], free: Sequence[str]) -> Scene:
-    """The scene with the camera of the recordings, if it has none of its own.
+    """Return the scene, with the camera of the recordings if it has none of its own.
 
-    Raises `ResultError` where its camera is not that of a record.
+    Raises `ResultError` if its camera differs from that of a recording in a key that is not `free`.
     """
     if scene.camera is None:
         first = recordings[0]

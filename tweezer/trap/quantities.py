@@ -49,7 +49,7 @@ QUANTITIES = (
 
 
 def gradient_of_errors(scene: Scene) -> float:
-    """Largest gradient of an error of the force that is nowhere larger than 1, 1/m.
+    """Return the largest gradient, 1/m, of a force error over the error itself.
 
     A force of waves of the wavenumber k holds wavenumbers up to 2k, and so does its error: the
     gradient is at most 2k times the largest value (S. Bernstein's inequality). Rays have no such

@@ -90,23 +90,24 @@ def trap_in(saved: Any, path: Path) -> tuple[Trap, str]:
 
 
 def _known(of: type[Trap] | type[Escape], saved: dict[str, Any]) -> dict[str, Any]:
-    """Return `saved` with NaN for null numbers, because numbers in JSON are finite."""
+    """Return the entries `saved` for a class, with NaN for null numbers, which JSON lacks."""
     lost = [each.name for each in dataclasses.fields(of) if each.type == "float"]
     return saved | {name: math.nan for name in lost if saved[name] is None}
 
 
 def _escapes(saved: list[dict[str, Any]]) -> list[Escape]:
+    """Return the escapes from their entries in a file."""
     return [TypeAdapter(Escape).validate_python(_known(Escape, each)) for each in saved]
 
 
 def _lifetime(saved: dict[str, Any]) -> Lifetime:
-    """Return the lifetime; a time that is null is infinite."""
+    """Return a lifetime from its entries in a file, in which an infinite time is null."""
     time = math.inf if saved["time"] is None else saved["time"]
     return TypeAdapter(Lifetime).validate_python(saved | {"time": time})
 
 
 def _misshapen(trap: Trap) -> Iterator[str]:
-    """Return the errors in the shapes of vectors and matrices."""
+    """Yield messages about vectors and matrices of a wrong shape."""
     every: list[tuple[str, Any, tuple[int, ...]]] = [
         (name, getattr(trap, name), (3,))
         for name in (
@@ -125,7 +126,7 @@ def _misshapen(trap: Trap) -> Iterator[str]:
 
 
 def _wrong(trap: Trap) -> Iterator[str]:
-    """Return the contradictions in a saved trap."""
+    """Yield messages about contradictions in a saved trap, and about impossible lengths."""
     place = trap.equilibrium
     if bool(trap.escapes) != (place is not None):
         yield "it has escapes without an equilibrium, or an equilibrium without escapes"

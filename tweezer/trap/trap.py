@@ -1,4 +1,4 @@
-"""What a trap is worth: where it holds the bead, how stiffly, and what it takes to pull it out."""
+"""Trap characterisation: equilibria, stiffness, escape force and lifetime."""
 
 from __future__ import annotations
 
@@ -54,12 +54,13 @@ _LINE = 100
 
 @dataclass(frozen=True)
 class Efficiency:
-    """The largest pull of the light alone along an axis."""
+    """Trapping efficiency: the largest restoring force of the light alone along an axis."""
 
     Q: float
-    """F c/(n_m P), P the power through the pupil"""
+    """F c/(n_m P), a number: F is the force, c the speed of light, n_m the refractive index of the
+    medium and P the power through the pupil"""
     at: float
-    """where on that axis, m from the focus"""
+    """coordinate on that axis at which the force is largest, m from the focus"""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -174,20 +175,23 @@ class Trap(Comparable, Result):
 
     @property
     def stiffness(self) -> Array:
-        """The matrix -dF_i/dx_j at `equilibrium`, (3, 3) N/m. Raises `TweezerError` without one."""
+        """Stiffness matrix -dF_i/dx_j at `equilibrium`, (3, 3) N/m.
+
+        Raises `TweezerError` without an equilibrium.
+        """
         return self._equilibrium().stiffness
 
     @property
     def stiffness_xyz(self) -> Array:
-        """The stiffness along x, y and z at `equilibrium`, (3,) N/m.
+        """Stiffness along x, y and z at `equilibrium`, (3,) N/m.
 
-        Raises `TweezerError` without one.
+        Raises `TweezerError` without an equilibrium.
         """
         return self._equilibrium().stiffness_xyz
 
     @property
     def reason(self) -> str:
-        """Why no place holds the bead; empty if one does."""
+        """Reason why no equilibrium holds the bead; empty if one does."""
         if self.equilibrium is not None:
             shallow = self.too_shallow
             return shallow and f"the equilibrium at {_where(self.equilibrium)} {shallow}"
@@ -207,6 +211,7 @@ class Trap(Comparable, Result):
         return f"{f'no stable equilibrium {self.searched}'.rstrip()}{resting}"
 
     def _equilibrium(self) -> Equilibrium:
+        """Return the stable equilibrium; raise `TweezerError` with the reason if none exists."""
         if self.equilibrium is None:
             raise TweezerError(
                 f"{self.scene.name}: {self.reason}; `Trap.equilibria` has the unstable ones, and "
@@ -216,10 +221,12 @@ class Trap(Comparable, Result):
 
     @property
     def _holds(self) -> Equilibrium | Ring | None:
+        """Equilibrium or ring that holds the bead; None without either."""
         return self.equilibrium or self.ring
 
     @property
     def _ways_out(self) -> tuple[Escape, ...]:
+        """Escapes from the ring or the equilibrium that holds the bead."""
         return self.ring.escapes if self.ring else self.escapes
 
     @property
@@ -232,7 +239,7 @@ class Trap(Comparable, Result):
 
     @property
     def lifetime_caveat(self) -> str | None:
-        """Why an equilibrium has no lifetime, or what is left out of it; None if nothing."""
+        """Reason why a trap has no lifetime, or an effect that it leaves out; None if neither."""
         if self.other_forces and self._holds is not None:
             return "not computed with forces beside those of the scene"
         return doubt(self.scene, self._holds, self.reach, self.absorbed_power)
@@ -299,9 +306,9 @@ class Trap(Comparable, Result):
         return {"outcome": outcome, "reason": reason, "caveat": "; ".join(filter(None, caveats))}
 
     def card(self) -> Card:
-        """Equilibrium, stiffness, how long it holds, efficiencies; and the escapes.
+        """Card with equilibrium, stiffness, lifetime and efficiencies, and a table of escapes.
 
-        The lifetime is among it once it was asked for: it takes a while to compute.
+        It contains the lifetime only if that was computed before, as this takes a while.
         """
         share = self.fraction_through_pupil
         power = printed(self.power_through_pupil, "mW")
@@ -319,6 +326,7 @@ class Trap(Comparable, Result):
         )  # fmt: skip
 
     def _efficiencies(self) -> Iterator[Row]:
+        """Yield the rows of the efficiencies, for one beam at rest at the origin."""
         if not self.scene.plain:
             return
         for name, found in (
@@ -329,7 +337,7 @@ class Trap(Comparable, Result):
             yield Row(name, words, detail=True)
 
     def _held(self) -> Iterator[Row]:
-        """Rows of the equilibrium."""
+        """Yield the rows of the equilibrium, or of the ring, and of the lifetime there."""
         place, worth = self.equilibrium, self.ray_optics
         if self.ring is not None:
             yield from self._on_ring(self.ring)
@@ -368,7 +376,7 @@ class Trap(Comparable, Result):
             yield Row("torque about the bead's centre", printed(self.torque, "pN um"), detail=True)
 
     def _on_ring(self, ring: Ring) -> Iterator[Row]:
-        """Rows of the ring that holds the bead."""
+        """Yield the rows of the ring that holds the bead."""
         radius, height = micrometres(ring.radius), micrometres(ring.height)
         name = "ring" if self.too_shallow else "held on a ring"
         words = f"of radius {radius} um about the axis, at z = {height} um"
@@ -385,7 +393,7 @@ class Trap(Comparable, Result):
         yield from self._lifetime("")
 
     def _lifetime(self, doubt: str) -> Iterator[Row]:
-        """Rows of the time for which the bead is held, and of that without light."""
+        """Yield the rows of the lifetime, with and without light; `doubt` is a remark about it."""
         if "lifetime" not in vars(self) and not self.other_forces:
             yield Row("held for", "not yet computed: `lifetime` does")
             return
@@ -398,7 +406,7 @@ class Trap(Comparable, Result):
             yield Row("  without light", without.words, adds_nothing(self.lifetime, without))
 
     def _frequencies(self, doubt: str) -> Iterator[Row]:
-        """Rows of how the bead returns: it creeps back, or swings."""
+        """Yield the rows of corner frequencies, or of resonances if the bead oscillates."""
         found = (
             ("corner frequencies", self.corner_frequencies, " Hz", known.CORNER),
             ("resonance frequencies", self.resonance_frequencies, " Hz", known.RESONANCE),
@@ -413,7 +421,7 @@ class Trap(Comparable, Result):
             yield Row(name + of, numbers + unit, doubt, of=quantity.name)
 
     def _others(self) -> Iterator[Row]:
-        """Rows of the other equilibria."""
+        """Yield the rows of the other equilibria."""
         others = [each for each in self.equilibria if each is not self.equilibrium]
         apart = [each for each in others if each.position[:2].any()]
         if not self.scene.plain or apart:
@@ -427,6 +435,7 @@ class Trap(Comparable, Result):
                 yield Row(name, f"z = {', '.join(heights)} um", detail=True)
 
     def _escapes(self) -> Table:
+        """Return the table of the escapes, with the ratio of wave to ray optics if known."""
         worth, um = self.ray_optics, per("um")
         headings = ["escape", "force, pN", "at, um", "energy, kT", "5 % range, um"]
         rows = []
@@ -456,6 +465,7 @@ class Trap(Comparable, Result):
 
 
 def _where(place: Equilibrium) -> str:
+    """Return the position of an equilibrium in um as text; its z alone on the axis."""
     if not place.position[:2].any():
         return f"z = {micrometres(place.position[2])} um"
     return f"{', '.join(map(micrometres, place.position))} um"
@@ -590,10 +600,11 @@ def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Tra
 def _found(
     problem: Problem, net_force: NetForce
 ) -> tuple[tuple[Equilibrium, ...], tuple[Ring, ...], str]:
-    """Equilibria, rings that hold the bead, and where they were sought.
+    """Return the equilibria, the rings that hold the bead, and words for the range searched.
 
-    Rings, or in light without symmetry places off the axis, are sought where no stable equilibrium
-    is in the focus: light that holds a bead there has its maximum on the axis.
+    `net_force` returns the force, N, at points (n, 3), m. If no stable equilibrium is in the focus,
+    rings are searched, or in light without rotational symmetry positions off the axis: light that
+    holds a bead in the focus has its maximum on the axis.
     """
     search = problem.search
     near = f"on the axis within {printed(search.reach, 'um')} of the focus"
@@ -631,12 +642,12 @@ def _found(
 
 
 def _off(held: Equilibrium | Ring) -> float:
-    """Distance from the focus, m."""
+    """Return the distance of an equilibrium or ring from the focus, m."""
     return float(np.linalg.norm(held.position))
 
 
 def pressed(problem: Problem) -> bool:
-    """Whether the forces on a bead on the axis that touches a wall press it there."""
+    """Return whether the forces on a bead that touches a wall on the axis press it to the wall."""
     scene = problem.scene
     for plane, normal in scene.wall.planes if scene.wall else ():
         touching = plane + normal * scene.body.support(normal)
@@ -648,7 +659,10 @@ def pressed(problem: Problem) -> bool:
 
 
 class _LightForce:
-    """Force of a scene's light; keeps the largest estimated error of those it gave, N."""
+    """Force, N, of a scene's light at points (n, 3), m; `error` is the largest error so far, N.
+
+    Many points are a line through the focus, whose forces `sampled` keeps for other powers.
+    """
 
     def __init__(self, problem: Problem) -> None:
         self._scene, self._light = problem.scene, problem.light
@@ -660,7 +674,7 @@ class _LightForce:
         else:
             field = self._light.field(points)
             force, error = field.force, self._light.error_of(points, field)
-        # Newton's method may ask where the light has no force, and never ends there
+        # ignore errors that are not finite, far off, where a step of Newton's method may lead
         self.error = max(self.error, float(error[np.isfinite(error)].max(initial=0.0)))
         return force
 
@@ -668,7 +682,11 @@ class _LightForce:
 def _efficiency(
     light_force: NetForce, direction: str, coordinates: Array, unit: float
 ) -> Efficiency | None:
-    """The largest Q against `direction` on the axis along it; `unit` is n_m P/c, N."""
+    """Return the largest efficiency Q against `direction`, such as "+z"; None if no force pulls.
+
+    Q is the force over `unit` = n_m P/c, N, with the refractive index n_m, the power P and the
+    speed of light c. `coordinates` (n,), m, are the points on the line at which it is sampled.
+    """
     pull = opposite(along(light_force, FOCUS, direction))
     force, at = largest(pull, coordinates, coordinates[1] - coordinates[0])
     return Efficiency(force / unit, at) if force > 0 else None
