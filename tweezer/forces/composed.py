@@ -37,6 +37,7 @@ class Sum(Force):
     """Sum of several forces."""
 
     forces: tuple[Force, ...]
+    """the forces that are added"""
 
     @property
     def parts(self) -> tuple[Force, ...]:
@@ -155,7 +156,7 @@ class Course:
     """SI unit that values and amplitude were given with; "" if they are numbers"""
 
     def __post_init__(self) -> None:
-        """Raises `ValueError` for arrays that do not fit, times that do not ascend, wrong units."""
+        """Convert the arguments to SI; raise `ValueError` for invalid arrays, times or units."""
         values, of_values = read_argument("values", in_base_units, self.values)
         amplitude, of_amplitude = read_argument("amplitude", in_base_units, self.amplitude)
         if of_values != of_amplitude and of_amplitude and of_values:
@@ -197,7 +198,7 @@ class Course:
         return still and bool((self.values == self.values[0]).all())
 
     def kinks(self, end: float) -> Array:
-        """Times in (0, end) at which it jumps or bends, s."""
+        """Return the times in (0, end) at which the course jumps or bends, s."""
         if (self.values == self.values[0]).all():
             return np.zeros(0)
         times = self.times
@@ -210,7 +211,7 @@ class Course:
         return np.unique(times[(times > 0) & (times < end)])
 
     def shortest_time(self, end: float) -> float:
-        """Shortest time scale of its changes in (0, end), s; 0 if it never changes."""
+        """Return the shortest time scale of changes in (0, end), s; 0 if there are none."""
         kinks = self.kinks(end)
         between = float(np.diff(kinks, prepend=0.0).min()) if len(kinks) else 0.0
         swing = 1 / self.frequency if self.frequency and self.amplitude.any() else 0.0
@@ -224,7 +225,7 @@ class Course:
         return float(largest + np.linalg.norm(self.amplitude))
 
     def at(self, time: float) -> Array:
-        """Value at a time (s), (m,)."""
+        """Return the value at a time, s, as an array (m,)."""
         out = np.empty(self.values.shape[1])
         _course_at(packed(*self._entries()), 0, time, out)
         return out
@@ -278,6 +279,7 @@ class Moved(Force):
     """A force whose origin and strength are functions of time; it may also be upside down."""
 
     force: Force
+    """the force at rest"""
     place: Course
     """origin of the force, (3,) m"""
     strength: Course
@@ -286,7 +288,7 @@ class Moved(Force):
     """whether it is turned by 180 degrees about x, so that its z axis points down"""
 
     def __post_init__(self) -> None:
-        """Raises `ValueError` unless the courses have 3 lengths, and 1 number without a unit."""
+        """Raise `ValueError` unless the courses have 3 lengths, and 1 number without a unit."""
         if self.place.amplitude.size != 3 or self.strength.amplitude.size != 1:
             raise ValueError("place and strength: must be courses of 3 numbers, and of 1")
         if self.place.unit not in ("", "m"):
@@ -403,6 +405,7 @@ class Differenced(Force):
     """A force whose gradients are central differences."""
 
     force: Force
+    """the force, whose own gradients are not used"""
     step: float
     """of the differences, m"""
 

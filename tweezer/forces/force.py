@@ -50,7 +50,7 @@ class Wrench(NamedTuple):
 
 
 class Force(ABC):
-    """Something that pushes and turns a bead."""
+    """Something that pushes and may turn a bead; a kernel computes it in compiled code."""
 
     @property
     def oriented(self) -> bool:
@@ -68,11 +68,11 @@ class Force(ABC):
         return ()
 
     def kinks(self, end: float) -> Array:  # noqa: ARG002
-        """Times in (0, end) at which it jumps or bends, s."""
+        """Return the times in (0, end) at which the force jumps or bends in time, s."""
         return np.zeros(0)
 
     def shortest_time(self, end: float) -> float:
-        """Shortest time scale of its changes in (0, end), s; 0 if it has none, or none is known."""
+        """Return the shortest time scale of changes in (0, end), s; 0 if none is known."""
         kinks = self.kinks(end)
         return float(np.diff(kinks, prepend=0.0).min()) if len(kinks) else 0.0
 
@@ -169,6 +169,7 @@ def _entry() -> Any:
         kernel, numbers, shapes, time, position, orientation,
         force, moment, force_gradient, moment_gradient, error,
     ):  # fmt: skip
+        """Call the kernel at an address with the arrays of its data, pose and wrench."""
         pose = Pose(time, position, orientation)
         wrench = Wrench(force, moment, force_gradient, moment_gradient, error)
         call(kernel, (pose, Data(numbers, shapes), wrench))
@@ -218,4 +219,4 @@ KERNEL = types.void(POSE, DATA, WRENCH)
 
 @cached_njit()
 def no_force(pose, data, wrench):  # type: ignore[no-untyped-def]
-    """The kernel of a force that is zero."""
+    """Add nothing: the kernel of a force that is zero."""

@@ -187,6 +187,7 @@ def _starts(box: Box, net_force: NetForce, to_side: Array) -> Iterator[Array]:
     across, along = force[..., :2] @ to_side, force[..., 2]
 
     def changes(values: Array) -> NDArray[np.bool_]:
+        """Return for each cell whether values at its four corners have both signs."""
         corners = [values[i : i + len(values) - 1, j : j + _ACROSS - 1]
                    for i in (0, 1) for j in (0, 1)]  # fmt: skip
         return (np.min(corners, axis=0) < 0) & (np.max(corners, axis=0) > 0)
@@ -226,6 +227,10 @@ def ring_near(
     """
 
     def balance(place: Array) -> tuple[Array, Array]:
+        """Return the forces across and along the axis at (rho, z), and their derivatives.
+
+        The centripetal force is subtracted: the force round the axis moves the bead against drag.
+        """
         rho, z = place
         if rho <= 0:
             raise AstrayError

@@ -330,6 +330,7 @@ def _run(
     code, before, left = function.py_func.__code__, sys.gettrace(), _MOST_LINES
 
     def counting(frame: Any, event: str, value: Any) -> Any:  # noqa: ARG001
+        """Count a line that is run, and end a function that runs too many."""
         nonlocal left
         left -= 1
         if left < 0:
@@ -337,12 +338,14 @@ def _run(
         return counting
 
     def telling(frame: Any, event: str, value: Any) -> Any:
+        """Call `before_line` with the number of a line, and count it."""
         assert before_line is not None
         before_line(frame.f_lineno)
         counting(frame, event, value)
         return telling
 
     def tracing(frame: Any, event: str, value: Any) -> Any:  # noqa: ARG001
+        """Return what is called for each line of a function that begins; None in a library."""
         if str(frame.f_globals.get("__name__")).partition(".")[0] in _LIBRARIES:
             return None
         frame.f_trace_opcodes = _has_empty_loop(frame.f_code)

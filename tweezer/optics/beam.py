@@ -144,7 +144,7 @@ def fraction_through_pupil(lens: Lens, beam: Beam) -> float:
 def intensity(lens: Lens, beam: Beam, medium: Medium) -> Profile:
     """Return the intensity I in the pupil, W/m^2, as a function of rho (m) up to the rim.
 
-    For a table it is that of the series. Raises `SceneError` as `cone`.
+    For a beam given by a table it is the intensity of the series. Raises `SceneError` as `cone`.
     """
     total = total_power(lens, beam)
     if beam.profile == "table":

@@ -117,7 +117,7 @@ class RayOpticsWorth:
 
 @functools.lru_cache(maxsize=16)
 def ray_optics_worth(scene: Scene) -> RayOpticsWorth | None:
-    """Validity of ray optics for the bead and the light of `scene`.
+    """Return the validity of ray optics for the bead and the light of `scene`.
 
     None without light, or where the light is computed as waves.
 
@@ -125,7 +125,7 @@ def ray_optics_worth(scene: Scene) -> RayOpticsWorth | None:
     scattered by a sphere (Mie). It oscillates with the bead's size, and only its average
     over sizes tends to ray optics (Mazolli, Maia Neto and Nussenzveig, Proc. R. Soc. A 459, 3021,
     2003). Beads outside the table's 0.25 to 32 wavelengths, and apertures outside its range, take
-    the ratios at its border. For several beams it is that of the first, as if it were alone; beams
+    the ratios at its border. Of several beams the first is compared, as if it were alone; beams
     that face each other were not compared. In linear light the exact stiffness also differs along x
     and y, by a third for beads of about a wavelength.
     """

@@ -124,11 +124,13 @@ class Blocks(NamedTuple):
 
 
 def blocks(half_angle: float, reach: float) -> Blocks:
-    """Return the blocks for a cone of light of that half angle (rad), out to `reach` radii.
+    """Return the blocks of a table: rectangles in coordinates (x, y) in which the force is smooth.
 
-    Block 0 is the core, 1 to 3 the ring, and 5 + 5 i + j the part of the outer chart between lines
-    i and i + 1 of P, and j and j + 1 of Q. The one between -tau and tau twice is the triangle
-    instead: its half y > 0; the other is block 4.
+    half_angle: theta_m of the cone of light, rad. reach: largest distance of the bead from the
+    focus, in radii. tau is tan(theta_m/2), and P, Q are the coordinates of the outer chart. Block 0
+    is the core, 1 to 3 the ring, and 5 + 5 i + j the part of the outer chart between lines i and i
+    + 1 of P, and j and j + 1 of Q. The one between -tau and tau twice is the triangle instead: its
+    half y > 0; the other is block 4.
     """
     sine, tau = math.sin(half_angle), math.tan(half_angle / 2)
     farthest = max(math.tan((math.pi / 2 + math.acos(1 / max(reach, 1.0))) / 2), 1.5 / tau)
@@ -201,7 +203,8 @@ def beyond(chart: Integers, bounds: Array, reach: float) -> NDArray[np.bool_]:
 def _core(rho, squared, z, numbers, frames):  # type: ignore[no-untyped-def]
     """Return the place of eight beads in the chart of the core.
 
-    It is their block, coordinates x and y, the parts of the block's width below x and y, dx/drho,
+    The core is the region of the table with the focus near the bead's centre. The place is the
+    block, coordinates x = rho^2 and y = z, the parts of the block's width below x and y, dx/drho,
     dx/dz, dy/drho and dy/dz. rho, z: of the beads, in radii; squared: rho^2. numbers: of the
     kernel's data, with the frames of the blocks from the entry `frames` on.
     """
@@ -213,7 +216,11 @@ def _core(rho, squared, z, numbers, frames):  # type: ignore[no-untyped-def]
 
 @named_njit(**INNER)
 def _ring(rho, z, dd, numbers, frames):  # type: ignore[no-untyped-def]
-    """Return the place of eight beads in the chart of the ring, as `_core`; dd: d^2."""
+    """Return the place of eight beads in the chart of the ring, with the focus inside the bead.
+
+    rho, z: in radii; dd: d^2 = rho^2 + z^2 < 1. The coordinates are x = sqrt(1 - d^2), y = z/d.
+    Other arguments and the result are as in `_core`.
+    """
     w = _largest(root(1.0 - dd), spread(_LEAST_W))
     over_d, per_w = 1.0 / root(dd), 1.0 / w
     y = z * over_d
@@ -231,7 +238,8 @@ def _ring(rho, z, dd, numbers, frames):  # type: ignore[no-untyped-def]
 def _outside(rho, z, dd, tau, numbers, frames):  # type: ignore[no-untyped-def]
     """Return the place of eight beads in the outer chart or the triangle, as `_core`.
 
-    dd: d^2; tau: tan(theta_m/2), theta_m the half angle of the cone.
+    The focus is outside the bead. rho, z: in radii; dd: d^2 = rho^2 + z^2; tau: tan(theta_m/2),
+    theta_m the half angle of the cone. P and Q say where rays touch the bead, see the module.
     """
     w = _largest(root(dd - 1.0), spread(_LEAST_W))
     below_p, below_q = dd + rho - z * w, dd + rho + z * w
@@ -466,6 +474,7 @@ def kernel(*, gradient: bool, moment: bool) -> Kernel:
 
     @cached_njit(KERNEL, error_model="numpy", nogil=True)
     def read_charts(pose, data, wrench):  # type: ignore[no-untyped-def]
+        """Add the tabled force, as a kernel: eight beads at a time are looked up and evaluated."""
         pose, data, wrench = borrowed(pose), borrowed(data), borrowed(wrench)
         numbers, shape = data.numbers, begin_of(data, 0)
         radius, strength, certified = numbers[shape], numbers[shape + 3], numbers[shape + 4]

@@ -96,6 +96,7 @@ def grid_kernel(rays: Rays) -> Kernel:
 
     @cached_njit(KERNEL, **SUMS)
     def sum_over_grid(pose, data, wrench):  # type: ignore[no-untyped-def]
+        """Add the force of the rays that may hit each bead, as a kernel."""
         radius, n_mP, jones = number(data, 0), number(data, 1), vector(data, 2)
         tiles = Tiles(matrix(data, 3), matrix(data, 4), vector(data, 5), vector(data, 6))
         found = np.empty(24)

@@ -82,7 +82,9 @@ def rays_of(place, rule, rules, k, full, rays, gradient):  # type: ignore[no-unt
 
     By symmetry there are only those with u2 >= 0, with twice the weight. A ring is replaced by two
     rays, for gradients three (`_gathered`). full: use the full series of the light, for positions
-    with little light; gradient: whether gradients are summed. Returns the number of rays.
+    with little light; gradient: whether gradients are summed. place: the bead's position as seen
+    from the focus; rule: tables of nodes and the light; rules[k]: kind and size of the rule; rays:
+    workspace, a row for each quantity of a ray. Returns the number of rays.
     """
     if rules[k, KIND] == DISC:
         return _disc_rays(rule, rules, k, rays)
@@ -119,7 +121,9 @@ def rays_of_linear(place, rule, rules, k, full, rays, gradient):  # type: ignore
 def _disc_rays(rule, rules, k, rays):  # type: ignore[no-untyped-def]
     """Fill `rays` with those of a disc: nodes in cos(theta) times azimuths about the axis.
 
-    They are on one side of the plane u2 = 0, with twice the weight. Returns their number.
+    They are on one side of the plane u2 = 0, with twice the weight. rule: tables of nodes and the
+    light; rules[k]: numbers of nodes; rays: workspace, a row for each quantity of a ray. Returns
+    the number of rays.
     """
     level, m = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
     n = LEVELS[level]
@@ -148,10 +152,12 @@ def _disc_rays(rule, rules, k, rays):  # type: ignore[no-untyped-def]
 def _rings(place, rule, rules, k, rays):  # type: ignore[no-untyped-def]
     """Fill rows of `rays` with the rings of rule k, one number for each ring.
 
-    They are cos and sin of the angle g to the pole, sin^2 of incidence, the weight of the
-    integral over x = cos(g), where the ring is in the light (1 - cos(theta) as a function of q),
-    and for arcs where they end. Rows are filled up to a multiple of `LANES`, with
-    rings without weight.
+    A ring is all rays at one angle g to the pole, the line from the focus to the bead or its
+    continuation. The rows are cos(g), sin(g), sin^2 of incidence, weight of the integral over
+    cos(g), 1 - cos(theta) as a linear function of q = sin^2(half the azimuth about the pole), with
+    theta the angle to the beam's axis, and for arcs where they end. place: the bead's position as
+    seen from the focus; rule: tables of nodes; rules[k]: panel of the rule, and its pole. Rows are
+    filled up to a multiple of `LANES`, with rings without weight.
     """
     level, pair = int(rules[k, LEVEL]), int(rules[k, PAIR])
     pole, begin, span = rules[k, POLE], rules[k, BEGIN], rules[k, SPAN]
@@ -216,7 +222,9 @@ def _rings(place, rule, rules, k, rays):  # type: ignore[no-untyped-def]
 def _ring_nodes(rule, rules, k, series, rays):  # type: ignore[no-untyped-def]
     """Fill rows of `rays` with q and weight of all nodes of rings or arcs; returns their number.
 
-    The weight includes the light there. series: of the light, `Rule.series` or `Rule.full`.
+    q is sin^2(half the azimuth about the line to the bead), counted from the side of the beam's
+    axis. The weight includes the light there. rule: tables of nodes; rules[k]: numbers of nodes;
+    series: of the light, `Rule.series` or `Rule.full`; rays: workspace, which has the rings.
     """
     n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
     if rules[k, KIND] == ARCS:
@@ -231,8 +239,9 @@ def _ring_nodes(rule, rules, k, series, rays):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract"}, inner=True)
 def _moments(azimuth, cut, m, n, series, rays):  # type: ignore[no-untyped-def]
-    """Fill rows of `rays` with integrals of the light over each ring, times 1, q and q^2.
+    """Fill rows of `rays` with integrals over each ring of the light times 1, q and q^2.
 
+    q is sin^2(half the azimuth about the line to the bead), from the side of the beam's axis.
     azimuth: `Rule.azimuth` for m azimuths. cut: whether the rings are arcs, cut by the rim of the
     cone. n: number of rings. series: of the light. The ring's weight is included.
     """
@@ -301,8 +310,9 @@ def _chebyshev(series, y):  # type: ignore[no-untyped-def]
 def _arc_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
     """Fill rows of `rays` with q, weight and argument of the light's series at all nodes of arcs.
 
-    azimuth: `Rule.azimuth` for m azimuths; n: number of rings, each with m nodes. The light's power
-    is not yet in the weight.
+    q is sin^2(half the azimuth about the line to the bead), the argument is 1 at the beam's axis
+    and -1 at the rim of the cone. azimuth: `Rule.azimuth` for m azimuths; n: number of rings, each
+    with m nodes. The weight is without the power of the light.
     """
     q, y, weight, w = rays[_Q], rays[_Y], rays[WEIGHT], rays[_W]
     nearest, per_q, share = rays[_NEAREST], rays[_PER_Q], rays[_SHARE]
@@ -326,8 +336,9 @@ def _arc_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
 def _circle_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
     """Fill rows of `rays` with q, weight and argument of the light's series for whole rings.
 
-    azimuth: `Rule.azimuth` for m azimuths; n: number of rings, each with m + 1 nodes from q = 0 to
-    1. The light's power is not yet in the weight.
+    q is sin^2(half the azimuth about the line to the bead), the argument is 1 at the beam's axis
+    and -1 at the rim of the cone. azimuth: `Rule.azimuth` for m azimuths; n: number of rings, each
+    with m + 1 nodes from q = 0 to 1. The weight is without the power of the light.
     """
     q, y, weight, w = rays[_Q], rays[_Y], rays[WEIGHT], rays[_W]
     nearest, per_q = rays[_NEAREST], rays[_PER_Q]
@@ -346,10 +357,11 @@ def _circle_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
 def _gathered(place, rule, rules, k, series, gradient, rays):  # type: ignore[no-untyped-def]
     """Fill `rays` with two or three rays for each ring that exert the force of all of it.
 
-    All rays of a ring have the same efficiencies, so their force is linear in u and its gradient
-    quadratic, and u is linear in q. So the rays with q = 0 and q = 1, for the gradient also
-    q = 1/2, replace the ring if their weights have the same sums of 1, q (and q^2). series: of the
-    light. gradient: whether gradients are summed. Returns the number of rays.
+    q is sin^2(half the azimuth about the line to the bead); place: the bead's position; rules[k]:
+    numbers of nodes. All rays of a ring have the same efficiencies, so their force is linear in u
+    and its gradient quadratic, and u is linear in q. So the rays with q = 0 and q = 1, for the
+    gradient also q = 1/2, replace the ring if their weights have the same sums of 1, q (and q^2).
+    series: of the light. gradient: whether gradients are summed. Returns the number of rays.
     """
     n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
     _moments(rule.azimuth[m], rules[k, KIND] == ARCS, m, n, series, rays)
@@ -394,7 +406,11 @@ def _aim(place, pole, at, n, cosine, sine, rays):  # type: ignore[no-untyped-def
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
 def _spread_out(place, rules, k, rays):  # type: ignore[no-untyped-def]
-    """Fill in the directions of one ray for each node of rings or arcs, on the side u2 >= 0."""
+    """Fill in the direction u of one ray for each node of rings or arcs, on the side u2 >= 0.
+
+    place: the bead's position; rules[k]: numbers of nodes, and the pole of the rings; rays:
+    workspace, which has cosine and sine of the angle to the pole for each ring, q for each node.
+    """
     n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
     along = rules[k, POLE]
     x, s, q = rays[_X], rays[_S], rays[_Q]
@@ -482,9 +498,10 @@ def _times_radiance(series, y, weight, rays, count):  # type: ignore[no-untyped-
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
 def tails(rule, rules, k, rays, linear, gradient):  # type: ignore[no-untyped-def]
-    """Return the largest of the last coefficients of rule k, along x and in the azimuth, N.
+    """Return the largest of the last coefficients of rule k, along its nodes and in azimuth, N.
 
-    The force of its rays, in the row FORCE, is expanded along x in Legendre polynomials and in the
+    The force of its rays, in the row FORCE of the workspace `rays`, is expanded in the cosine x of
+    the angle to the pole in Legendre polynomials and in the
     azimuth in these or in cosines; small last coefficients show that the nodes suffice. linear:
     whether the light is linearly polarised. gradient: whether gradients are summed. For rings
     gathered into a few rays the second one is 0.

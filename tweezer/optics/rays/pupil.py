@@ -24,7 +24,7 @@ class Rays:
 
 
 def grid(lens: Lens, beam: Beam, medium: Medium) -> Rays:
-    """The thesis's rays: one from the centre of every square that lies wholly inside the pupil.
+    """Return the thesis's rays, one from the centre of each square wholly inside the pupil.
 
     n_div = 100 gives 7644 squares (the thesis says 7645; no rule tried gives that number).
     The power of a ray is intensity times area (3.5)-(3.7). The staircase rim and the power that it

@@ -118,7 +118,7 @@ def _smaller(scene: Scene, name: str) -> str:
 
 
 def by_quadrature(scene: Scene) -> WavesByQuadrature:
-    """The force of the light of `scene` as waves, to `optics.tolerance`.
+    """Return the force of the light of `scene` as waves, by quadrature to `optics.tolerance`.
 
     Tables do not depend on the power: they are computed for 1 W, kept, and rescaled.
     """

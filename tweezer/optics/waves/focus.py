@@ -42,7 +42,7 @@ class Part(NamedTuple):
     """share of the light along e_phi in its amplitude"""
 
     def amplitude(self, theta: ComplexArray, phi: ComplexArray) -> ComplexArray:
-        """Amplitude of the part, from those of light along e_theta and e_phi in the pupil."""
+        """Return the part's amplitude, from the light's along e_theta and e_phi, `theta`, `phi`."""
         return np.asarray(self.theta * theta + self.phi * phi)
 
 

@@ -64,7 +64,8 @@ class Waves(NamedTuple):
     """Partial waves about the bead of one component of the light, and of the other component."""
 
     own: Any
-    """P_nm, see `partial_waves`: real parts, then imaginary parts, by (m, n)"""
+    """amplitudes P_nm of the waves of degree n and order m, see `partial_waves`: real parts, then
+    imaginary parts, by (m, n)"""
     partner: Any
     """P_nm of the other component, in the same order; of this one again if there is no other"""
     imaginary: int
@@ -111,7 +112,8 @@ def guarded_sphere(weights: Any) -> Any:
 def force_sum(light, weights, found):  # type: ignore[no-untyped-def]
     """Add the force that one component of the light exerts to found[0:3], in 4 pi^2 n_m P/c.
 
-    light: its `Waves`. weights: `Weights`. The sum goes over the orders m, and for each over eight
+    n_m is the refractive index of the medium, P the power. light: the component's `Waves`. weights:
+    `Weights`. The sum goes over the orders m, and for each over eight
     degrees n at a time: `waves.force_summand` couples (m, n) with its neighbours.
     """
     P, partner, imaginary = light.own, light.partner, light.imaginary
@@ -148,9 +150,9 @@ def force_sum(light, weights, found):  # type: ignore[no-untyped-def]
 def _neighbours(light, at, stride):  # type: ignore[no-untyped-def]
     """Return the amplitudes P_nm that the summand of (m, n) needs, for eight degrees n at once.
 
-    They are P at (n - 1, n, n + 1) of the orders m - 1, m, m + 1, and the partner's at n of each,
-    as pairs of real and imaginary parts. light: `Waves`; at: entry of (m, n); stride: number of
-    degrees.
+    P_nm belongs to the partial wave of degree n and order m. The result is P at (n - 1, n, n + 1)
+    of the orders m - 1, m, m + 1, and the partner's at n of each, as pairs of real and imaginary
+    parts. light: `Waves`; at: entry of (m, n); stride: number of degrees.
     """
     P, partner, imaginary = light.own, light.partner, light.imaginary
     down, up = at - stride, at + stride
@@ -192,8 +194,9 @@ def _elements_about(weights, of):  # type: ignore[no-untyped-def]
 def force_and_gradient_sum(light, weights, wavenumber, found):  # type: ignore[no-untyped-def]
     """Add the force that one component of the light exerts, and its gradient, to `found`.
 
-    The force goes to found[0:3], in 4 pi^2 n_m P/c, the gradient to found[6:15], in this per m.
-    light: `Waves`. weights: `Weights`. wavenumber: k, 1/m.
+    The force goes to found[0:3], in 4 pi^2 n_m P/c (refractive index of the medium, power), the
+    gradient dF_i/dx_j to found[6:15], row by row, in this per m. light: `Waves`. weights:
+    `Weights`. wavenumber: k, 1/m.
     """
     sphere, stride = weights.sphere, weights.stride
     middle = weights.size // stride // 2
@@ -231,8 +234,9 @@ def force_and_gradient_sum(light, weights, wavenumber, found):  # type: ignore[n
 def moment_sum(light, weights, wavenumber, found):  # type: ignore[no-untyped-def]
     """Add the moment that one component of the light exerts, and the power that the bead absorbs.
 
-    The moment goes to found[3:6], in 4 pi^2 n_m P/c times m; the power to found[24], in 4 pi^2 P.
-    light: `Waves`. weights: `Weights`. wavenumber: k, 1/m.
+    The moment goes to found[3:6], in 4 pi^2 n_m P/c times m (refractive index of the medium,
+    power); the absorbed power to found[24], in 4 pi^2 P. light: `Waves`. weights: `Weights`.
+    wavenumber: k, 1/m.
     """
     P, imaginary = light.own, light.imaginary
     table, sphere, stride, size = weights
@@ -259,7 +263,8 @@ def moment_sum(light, weights, wavenumber, found):  # type: ignore[no-untyped-de
 def moment_gradient_sum(light, weights, found):  # type: ignore[no-untyped-def]
     """Add the gradient of the moment that one component of the light exerts to found[15:24].
 
-    It is in 4 pi^2 n_m P/c. light: `Waves`. weights: `Weights`.
+    It is dM_i/dx_j, row by row, in 4 pi^2 n_m P/c (refractive index of the medium, power). light:
+    `Waves`. weights: `Weights`.
     """
     stride, size = weights.stride, weights.size
     middle = size // stride // 2
@@ -289,11 +294,12 @@ def moment_gradient_sum(light, weights, found):  # type: ignore[no-untyped-def]
 
 @named_njit(**OPTIONS)
 def both_sides(handedness, found):  # type: ignore[no-untyped-def]
-    """Change `found` of one polarised state into the mean over it and its mirror image, y -> -y.
+    """Change the sums of one polarised state into a mean over it and its mirror image, y -> -y.
 
-    handedness h: the state has the share (1 + h)/2, its mirror image (1 - h)/2. Numbers that change
-    their sign in the mirror are multiplied by h: the force along y, the moment (an axial vector)
-    along x and z, and their derivatives over x and z; of the others the derivative over y.
+    found: (25,) force, moment, their gradients row by row, absorbed power. handedness h: the state
+    has the share (1 + h)/2, its mirror image (1 - h)/2. Numbers that change their sign in the
+    mirror are multiplied by h: the force along y, the moment (an axial vector) along x and z, and
+    their derivatives over x and z; of the others the derivative over y.
     """
     for i in range(3):
         odd = i == 1
@@ -414,6 +420,7 @@ def waves_kernel(*, moment: bool) -> Kernel:
 
     @cached_njit(KERNEL, error_model="numpy", nogil=True)
     def add_force_of_waves(pose, data, wrench):  # type: ignore[no-untyped-def]
+        """Add the force of the light, as a kernel: sums for each bead, turned to its azimuth."""
         strength = number(data, STRENGTH)
         tolerance, floor = number(data, TOLERANCE), number(data, FLOOR)
         source = source_of(data, SOURCE)
@@ -450,6 +457,7 @@ def absorption() -> Any:
 
     @cached_njit(ABSORPTION, error_model="numpy", nogil=True)
     def absorbed(positions, data):  # type: ignore[no-untyped-def]
+        """Return the share of the light's power that beads at positions (n, 3), m, absorb, (n,)."""
         source = source_of(data, SOURCE)
         room = room_for(source)
         sums, out = np.empty(_FOUND), np.empty(positions.shape[0])

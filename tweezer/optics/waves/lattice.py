@@ -104,7 +104,7 @@ class Lattice:
     width: Array
     """(2,) of a piece along rho and z"""
     pieces: Array
-    """coefficients of the functions f, h, g and so on, see the module: (pieces along z, pieces
+    """coefficients of the functions of `_functions`: (pieces along z, pieces
     along rho, functions, ORDER powers of z, ORDER powers of rho)"""
     moment: bool
     """whether the moment is tabled, after the force"""
@@ -205,9 +205,9 @@ def _sampled(
 ) -> tuple[Array, float]:
     """Return the Chebyshev series of the functions of (rho, z), and the largest force sampled.
 
-    The functions are f, h, g and so on, see the module, those of the moment last. The series is
-    (functions, along, across), over [-reach, reach] of z and of rho; as the functions are even in
-    rho, `across` counts even degrees alone. Arguments are those of `build`.
+    The functions are those by which `_functions` describes the force, then the moment. The series
+    is (functions, along, across), over [-reach, reach] of z and of rho; as the functions are even
+    in rho, `across` counts even degrees alone. Arguments are those of `build`.
     """
     across, along = _counts(band, reach, tolerance)
     rho = reach * chebyshev.chebpts1(across)[across // 2 :]
@@ -234,9 +234,11 @@ def _sampled(
 
 
 def _functions(vectors: Array, rho: Array, azimuths: Array) -> Array:
-    """Return f, h, g and the real and imaginary parts of U, V, W, (functions, along z, rho).
+    """Return the functions of (rho, z) that describe a field of vectors, (functions, along z, rho).
 
-    They are those of the module, which describe a field of vectors by (rho, z). vectors: (along z,
+    They are f, h, g, then the real and imaginary parts of U, V, W of a vector F, with
+    zeta = x + i y: F_x + i F_y = zeta (f + i h) + conj(zeta) U + zeta^3 V,
+    F_z = g + Re(conj(W) zeta^2). vectors: (along z,
     rho, azimuths, 3); rho: in 1/k; azimuths: rad, one for light that is the same all around its
     axis, which has f, h and g alone, or three evenly over half a turn.
     """
@@ -336,6 +338,7 @@ def lattice_kernel(*, gradient: bool, functions: int, moment: bool) -> Kernel:
 
     @cached_njit(KERNEL, error_model="numpy", nogil=True)
     def read_lattice(pose, data, wrench):  # type: ignore[no-untyped-def]
+        """Add the tabled force, as a kernel: eight beads at a time are looked up and evaluated."""
         pose, data, wrench = borrowed(pose), borrowed(data), borrowed(wrench)
         numbers, shape = data.numbers, begin_of(data, 0)
         wavenumber, strength, certified, reach = (
@@ -431,8 +434,9 @@ def _function(values, at, slope, per_height, x, y, gradient):  # type: ignore[no
 def _put(values, at, functions, x, y, slope, per_height, unit, wavenumber, gradient, parts):  # type: ignore[no-untyped-def]
     """Fill `parts` with a vector of eight beads, force or moment, and its gradient.
 
-    The vector follows from the functions f, h, g, and U, V, W if there are nine functions, by the
-    formulas of the module. values: those of the functions from `at` on, as `read` leaves them.
+    The vector is F_x + i F_y = zeta (f + i h) + conj(zeta) U + zeta^3 V,
+    F_z = g + Re(conj(W) zeta^2), zeta = x + i y; with three functions f, h, g, not nine, the others
+    are 0. values: those of the functions from `at` on, as `read` leaves them.
     slope, per_height, x, y, gradient: see `_function`. unit: of the vector, N or N m. wavenumber:
     k, 1/m; the gradient is in unit k. parts: see `polynomials.add_up`.
     """

@@ -38,7 +38,10 @@ _MOST_NODES = 4096
 
 @dataclass(frozen=True)
 class Variable:
-    """The variable of integration: 1 - cos(theta), or theta."""
+    """Variable of the integrals over the cone of light: 1 - cos(theta), or theta.
+
+    theta is the angle of a plane wave to the axis.
+    """
 
     half_angle: float
     """rad, of the cone"""
@@ -84,9 +87,13 @@ class Rule:
 
 @dataclass(frozen=True)
 class Nodes:
-    """The rules for the light of a cone."""
+    """Choice of nodes and weights for integrals over the cone of light, of any required phase.
+
+    The integrand is the amplitude of the light times functions that turn by up to so many radians.
+    """
 
     focus: Focus
+    """the plane waves of the cone"""
     odd: bool
     """whether the integrand, beside the light's amplitude, is odd in sin(theta)"""
     wanted: float

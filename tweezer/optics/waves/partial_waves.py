@@ -155,8 +155,10 @@ def begin(x):  # type: ignore[no-untyped-def]
 def plane_waves(source, rule, part, z, norm, re, im):  # type: ignore[no-untyped-def]
     """Fill re, im (nodes,) with the plane waves of a part of the light at a bead's height z, m.
 
-    They are g(u) exp(i k z u) times the weight of the node, up to a constant phase, over `norm`:
-    times `bessel` they are the integrand of P_nm. source: `Source`; rule, part: numbers of both.
+    They are g(u) exp(i k z u) times the weight of the node, up to a constant phase, over `norm`: g
+    is the light's amplitude, u = cos(theta), k the wavenumber. Times the Bessel functions, which
+    have the factor `norm`, they are an integrand over the cone. source: `Source`; rule, part:
+    numbers of both.
     """
     first = int(source.rules[rule, FIRST_NODE])
     height = source.wavenumber * z - source.shift
@@ -173,6 +175,7 @@ def plane_waves(source, rule, part, z, norm, re, im):  # type: ignore[no-untyped
 def add_part(source, rule, part, azimuth, most, room, low, out):  # type: ignore[no-untyped-def]
     """Add the amplitudes P_nm of a part of the light to `out`, by sums over the nodes.
 
+    P_nm is the amplitude of the partial wave of degree n and order m about the bead.
     source: `Source`; rule, part: numbers of the rule of nodes and of the part of the light.
     azimuth: (cos, sin) of the bead's azimuth. most: largest order of the Bessel functions. room:
     `kernel.Room` with Bessel functions and plane waves. out: flattened (2, orders, degrees), all

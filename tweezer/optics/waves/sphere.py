@@ -106,7 +106,7 @@ def _solutions(z: Number, highest: int, by_xi: bool) -> _Solutions:
 def mie_coefficients(
     shells: tuple[tuple[float, complex], ...], wavenumber: float, highest: int
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """a_n and b_n for n = 1..highest of a sphere in layers: two arrays, dimensionless.
+    """Return the Mie coefficients a_n and b_n, n = 1..highest, of a sphere in layers.
 
     shells: from the core outwards, the outer radius [m] and the index relative to the medium, of
     which Im > 0 absorbs. wavenumber: that in the medium [1/m]. With exp(-i omega t), and a_n and
@@ -148,12 +148,14 @@ def _change(c: NDArray[np.complex128], d: NDArray[np.complex128]) -> NDArray[np.
 def weights(
     a: NDArray[np.complex128], b: NDArray[np.complex128], components: int
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128], NDArray[np.float64]]:
-    """U_n, V_n and K_n of the bilinear sums for n = 1..N, from a_n and b_n: (components, N) each.
+    """Return the weights U_n, V_n and K_n of the sums of the force for n = 1..N, (components, N).
 
-    components: 2 for the electric and the magnetic component, 1 for light of one helicity. U_n
-    weighs the elements of the direction between n and n+1 (a_(N+1) = b_(N+1) = 0), V_n those
-    within n, K_n the angular momentum and the power. With T = 1 - 2 a_n or 1 - 2 b_n they are
-    T_(n+1)* T_n - 1, T* T' - 1 of the two, and |T|^2 - 1, written as sums of small terms.
+    a, b: Mie coefficients a_n and b_n, (N,). The force is a sum over products of two partial waves
+    of the light, which these numbers multiply. components: 2 for the electric and the magnetic
+    component, 1 for light of one helicity. U_n weighs the elements of the direction between n and
+    n+1 (a_(N+1) = b_(N+1) = 0), V_n those within n, K_n the angular momentum and the power. With T
+    = 1 - 2 a_n or 1 - 2 b_n they are T_(n+1)* T_n - 1, T* T' - 1 of the two, and |T|^2 - 1, written
+    as sums of small terms.
     """
     own = np.array([a, b])
     above = np.append(own[:, 1:], np.zeros((2, 1)), axis=1)
