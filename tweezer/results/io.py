@@ -1,4 +1,4 @@
-"""Files: runs as NetCDF, results as JSON, written whole or not at all."""
+"""Files of results: runs as NetCDF and others as JSON, written as a whole or not at all."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def save_run(run: xr.Dataset, path: str | Path) -> Path:
 
 
 def write_run(run: Run, path: Path) -> None:
-    """Write a run that is no dataset yet; see `save_run`."""
+    """Write a run, before it is a dataset, to a file; see `save_run`."""
     import h5netcdf
     import h5py
 
@@ -72,15 +72,16 @@ def write_run(run: Run, path: Path) -> None:
 
 
 def _write_sealed(content: memoryview, path: Path) -> None:
+    """Write the content of a file, followed by its digest."""
     with replacing(path) as whole:
         whole.write(content)
         whole.write(_SEAL + hashlib.sha256(content).digest())
 
 
 def _no_cluster() -> contextlib.AbstractContextManager[object]:
-    """A context in which xarray does not ask the cluster of a Dask client for a lock.
+    """Return a context in which xarray does not ask the cluster of a Dask client for a lock.
 
-    It names the lock by the file, and memory has no name.
+    Such a lock is named by the file, and a file in memory has no name.
     """
     if "distributed" not in sys.modules:
         return contextlib.nullcontext()
@@ -113,6 +114,7 @@ def write_result(
 
 
 def _as_json(value: object, not_finite: Literal["null", "strings"] = "null") -> bytes:
+    """Return a value as JSON. not_finite: NaN and infinite numbers become null, or text."""
     text = pydantic_core.to_json(
         value, indent=2, inf_nan_mode=not_finite, fallback=lambda array: array.tolist()
     )
@@ -120,10 +122,10 @@ def _as_json(value: object, not_finite: Literal["null", "strings"] = "null") -> 
 
 
 def load_run(path: str | Path) -> xr.Dataset:
-    """A saved run, read into memory.
+    """Return a saved run, read into memory.
 
-    Raises `ResultError` for a file that is not one, such as another result of tweezer, or is
-    damaged: what `save_run` wrote and is not as it was, is never read.
+    Raises `ResultError` for a file with something else, such as another result, and for a damaged
+    file.
     """
     run = load_result(Path(path))
     kind = kind_of(run)
@@ -160,7 +162,7 @@ def load_result(path: Path) -> xr.Dataset:
 
 @contextlib.contextmanager
 def _reading(path: Path) -> Iterator[None]:
-    """A context in which the file of a run is read. Raises `ResultError` if it is not sound."""
+    """Return a context for reading the file of a run; raises `ResultError` if it is damaged."""
     from tweezer.values.hdf5 import check_result
 
     try:
@@ -179,7 +181,10 @@ def _reading(path: Path) -> Iterator[None]:
 
 
 def check_seal(path: Path) -> None:
-    """Raise `ResultError` if the digest is not that of the content; a file may have none."""
+    """Raise `ResultError` if the digest at the end of a file does not fit its content.
+
+    A file may have no digest.
+    """
     check_regular(path)
     behind = len(_SEAL) + hashlib.sha256().digest_size
     end = path.stat().st_size - behind
@@ -200,12 +205,12 @@ def check_seal(path: Path) -> None:
 
 
 def scene_of(run: xr.Dataset) -> Scene:
-    """The scene that `run` was made from. Raises `ResultError` if it names none that is valid."""
+    """Return the scene of a run. Raises `ResultError` if it has no valid one."""
     return scene_in(run.attrs)
 
 
 def scene_in(attributes: Mapping[str, Any]) -> Scene:
-    """The scene in the attributes of a run; see `scene_of`."""
+    """Return the scene in the attributes of a run; see `scene_of`."""
     try:
         return Scene.model_validate_json(attributes["scene"])
     except (KeyError, ValidationError):

@@ -1,4 +1,4 @@
-"""A run as arrays, with what `xarray.Dataset` and a NetCDF file say of them."""
+"""A run as arrays, with the dimensions and attributes of its dataset and NetCDF file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ Variable = tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]
 
 @dataclass(frozen=True)
 class Run:
-    """A run before it is an `xarray.Dataset`: importing xarray takes longer than a run."""
+    """A run before it becomes an `xarray.Dataset`, because importing xarray takes longer than a
+    run.
+    """
 
     coordinates: dict[str, Variable]
     variables: dict[str, Variable]
@@ -28,7 +30,10 @@ class Run:
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> Run:
-        """The run of a dataset. Raises `ResultError` if it is none, or a part without a sample."""
+        """Return the run in a dataset.
+
+        Raises `ResultError` if it is no run, or a part without a sample.
+        """
         for name in ("position", "time"):
             if name not in dataset.variables:
                 raise ResultError(f"not a run: it has no {name}")
@@ -43,13 +48,13 @@ class Run:
         return cls(coordinates, parts, dataset.attrs)
 
     def dataset(self) -> xr.Dataset:
-        """The same as a dataset."""
+        """Return the run as an `xarray.Dataset`."""
         import xarray as xr
 
         return xr.Dataset(self.variables, self.coordinates, self.attributes)
 
     def beside(self, name: str) -> list[str]:
-        """Coordinates of a variable that are not those of a dimension."""
+        """Return the names of a variable's coordinates that are not those of a dimension."""
         if name not in self.variables:
             return []
         dimensions = self.variables[name][0]
@@ -59,10 +64,13 @@ class Run:
         ]  # fmt: skip
 
     def __contains__(self, name: str) -> bool:
+        """Return whether the run has a variable or coordinate of this name."""
         return name in self.variables or name in self.coordinates
 
     def __getitem__(self, name: str) -> Array:
-        """Values of a variable or a coordinate. Raises `ResultError` if it has none."""
+        """Return the values of a variable or a coordinate. Raises `ResultError` if it does not
+        exist.
+        """
         if name not in self:
             raise ResultError(f"a part of a run: it has no {name}, which this needs")
         _, values, _ = self.variables.get(name) or self.coordinates[name]
@@ -70,11 +78,14 @@ class Run:
 
 
 def variable(dimensions: tuple[str, ...], values: Array, units: str, long_name: str) -> Variable:
-    """A variable with its unit and name."""
+    """Return a variable of a run: dimensions, values, and attributes with unit and long name."""
     return dimensions, values, {"units": units, "long_name": long_name}
 
 
 def with_error(described: Variable, error: str) -> Variable:
-    """A variable whose error is the variable of that name (CF Conventions, 3.4)."""
+    """Return a variable with an attribute that names the variable of its error.
+
+    CF Conventions, 3.4. error: name of that variable.
+    """
     dimensions, values, attributes = described
     return dimensions, values, {**attributes, "ancillary_variables": error}

@@ -30,7 +30,7 @@ _LARGEST_POSITION = 1e9
 
 
 class Event(BaseModel):
-    """An event of a run."""
+    """An event of a run, as its attributes have it: name, time (s) and position (m)."""
 
     name: str
     time: float
@@ -38,6 +38,8 @@ class Event(BaseModel):
 
 
 class _Attributes(BaseModel):
+    """Attributes that every dataset of tweezer has."""
+
     model_config = ConfigDict(strict=True)
 
     title: str
@@ -45,6 +47,8 @@ class _Attributes(BaseModel):
 
 
 class _OfRun(_Attributes):
+    """Attributes of a run."""
+
     model: Literal[*MODELS]  # type: ignore[valid-type]
     method: str
     fluid_inertia: str
@@ -62,6 +66,8 @@ class _OfRun(_Attributes):
 
 
 class _OfEnsemble(_Attributes):
+    """Attributes of an ensemble or its statistics."""
+
     seed: int
     trajectories: Count
     model: Literal[*MODELS]  # type: ignore[valid-type]
@@ -70,6 +76,8 @@ class _OfEnsemble(_Attributes):
 
 
 class _OfSweep(_Attributes):
+    """Attributes of a sweep."""
+
     of: str
     over: Json[dict[str, dict[str, list[Any]]]]
     status: Literal["complete", "interrupted"]
@@ -80,20 +88,21 @@ class _OfSweep(_Attributes):
 
 
 class Variable(NamedTuple):
-    """A variable that a result has, or may have."""
+    """Dimensions and unit that a variable of a result must have."""
 
     dimensions: tuple[str, ...]
     unit: str
     needed: bool = False
+    """whether the result must have it"""
 
 
 class Schema(NamedTuple):
-    """Contents of every result of a kind."""
+    """Requirements on every result of a kind: attributes, variables and a further check."""
 
     attributes: type[_Attributes]
     variables: Mapping[str, Variable]
     check: Callable[[xr.Dataset, Any], Iterable[str]]
-    """what else is wrong, of a dataset and its attributes"""
+    """function of a dataset and its attributes that yields further errors"""
 
 
 def checked(dataset: xr.Dataset, name: str) -> xr.Dataset:
@@ -112,6 +121,9 @@ def checked(dataset: xr.Dataset, name: str) -> xr.Dataset:
 
 
 def _wrong(dataset: xr.Dataset, schema: Schema) -> Iterable[str]:
+    """Yield the errors of a dataset: attributes, variables, sizes of vectors, and the further
+    check.
+    """
     attributes = {str(key): plain(value) for key, value in dataset.attrs.items()}
     try:
         about = schema.attributes.model_validate(attributes)
@@ -131,6 +143,7 @@ def _wrong(dataset: xr.Dataset, schema: Schema) -> Iterable[str]:
 
 
 def _wrong_variable(dataset: xr.Dataset, name: str, expected: Variable) -> Iterable[str]:
+    """Yield the error of a variable in dimensions, type, sign or unit, if any."""
     there = dataset.variables[name]
     if there.dims != expected.dimensions:
         along = ", ".join(map(str, there.dims))
@@ -148,7 +161,7 @@ def _wrong_variable(dataset: xr.Dataset, name: str, expected: Variable) -> Itera
 
 
 def plain(value: Any) -> Any:
-    """Return an attribute as Python has it: NetCDF has NumPy's numbers."""
+    """Return an attribute as a Python number; NetCDF has NumPy's."""
     return value.item() if isinstance(value, np.generic) else value
 
 
@@ -161,7 +174,7 @@ def of_validation(error: ValidationError) -> str:
 
 
 def events_in(attributes: Mapping[str, Any]) -> list[Event]:
-    """Return the events of a run. Raises `ResultError` if its attributes hold none that can be."""
+    """Return the events in the attributes of a run. Raises `ResultError` if they are not valid."""
     try:
         return _EVENTS.validate_json(attributes.get("events", "[]"))
     except ValidationError as error:
@@ -184,6 +197,7 @@ def rising(dataset: xr.Dataset, name: str) -> Iterable[str]:
 
 
 def _of_times(dataset: xr.Dataset, _: Any) -> Iterable[str]:
+    """Yield the errors of the times of a dataset."""
     for name in ("time", "frame_time"):
         if name in dataset.variables:
             yield from rising(dataset, name)
@@ -192,6 +206,7 @@ def _of_times(dataset: xr.Dataset, _: Any) -> Iterable[str]:
 
 
 def _of_run(dataset: xr.Dataset, about: _OfRun) -> Iterable[str]:
+    """Yield the errors of a run beyond its schema."""
     yield from _of_times(dataset, about)
     if (np.abs(dataset["position"].values) > _LARGEST_POSITION).any():
         yield f"its position exceeds {_LARGEST_POSITION:g} m"
@@ -203,12 +218,14 @@ def _of_run(dataset: xr.Dataset, about: _OfRun) -> Iterable[str]:
 
 
 def _of_ensemble(dataset: xr.Dataset, about: _OfEnsemble) -> Iterable[str]:
+    """Yield the errors of an ensemble beyond its schema."""
     yield from _of_times(dataset, about)
     if dataset.sizes["trajectory"] != about.trajectories:
         yield f"it has {dataset.sizes['trajectory']} of {about.trajectories} trajectories"
 
 
 def _of_statistics(dataset: xr.Dataset, about: _OfEnsemble) -> Iterable[str]:
+    """Yield the errors of statistics of an ensemble beyond their schema."""
     yield from _of_times(dataset, about)
     for name in ("bin", "lag", "frequency"):
         if name in dataset.variables:
@@ -229,6 +246,7 @@ def _of_statistics(dataset: xr.Dataset, about: _OfEnsemble) -> Iterable[str]:
 
 
 def _of_sweep(dataset: xr.Dataset, about: _OfSweep) -> Iterable[str]:
+    """Yield the errors of a sweep, whose variables depend on the keys that were varied."""
     over = [str(dimension) for dimension in dataset["outcome"].dims]
     shape = {name: {key: len(values) for key, values in keys.items()} for name, keys in
              about.over.items()}  # fmt: skip
@@ -274,6 +292,7 @@ _TIME = Variable(("time",), "s", needed=True)
 
 
 def _over_time(*along: str, **units: str) -> dict[str, Variable]:
+    """Return variables over time, and `along` further dimensions, with these units by name."""
     return {name: Variable(("time", *along), unit) for name, unit in units.items()}
 
 

@@ -1,4 +1,4 @@
-"""Quantities that follow from a trajectory: forces, speeds, Reynolds number, energies."""
+"""Quantities derived from a trajectory: forces, speeds, Reynolds number and energies."""
 
 from __future__ import annotations
 
@@ -80,9 +80,9 @@ def derived_quantities(
 
 
 def fault_at(problem: Problem, times: Array, motion: Motion) -> str:
-    """Return what is wrong with forces beside those of a scene at the samples of a motion.
+    """Return the fault of the user's own forces at the samples of a motion; "" without a fault.
 
-    "" if nothing is.
+    times: (n,) s.
     """
     for each in problem.others:
         pushed = each.field(motion.position, time=times, orientations=motion.orientation)
@@ -115,20 +115,25 @@ def force_errors(
 
 
 def _of_force(errors: Array) -> Variable:
+    """Return errors of the optical force, (n,) N, as a variable of a run."""
     return _number(errors, "N", "error of the force of the light")
 
 
 def _of_net_force(errors: Array) -> Variable:
+    """Return errors of the net force, (n,) N, as a variable of a run."""
     return _number(errors, "N", "error of the net motion force")
 
 
 def _vector(values: Array, units: str, long_name: str) -> Variable:
+    """Return vectors at the samples, (n, 3), as a variable of a run."""
     return variable(("time", "axis"), values, units, long_name)
 
 
 def _number(values: Array, units: str, long_name: str) -> Variable:
+    """Return numbers at the samples, (n,), as a variable of a run."""
     return variable(("time",), values, units, long_name)
 
 
 def _length(vectors: Array) -> Array:
+    """Return the lengths (n,) of vectors (n, 3)."""
     return np.sqrt((vectors**2).sum(axis=1))

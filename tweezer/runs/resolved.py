@@ -1,4 +1,4 @@
-"""Whether the samples of a run show its motion."""
+"""Test whether the samples of a run resolve its motion."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from tweezer.results.run import Run
 
 
 def resolved(run: Run) -> bool:
-    """Whether samples are closer than the relaxation time of the trap, at both ends."""
+    """Return whether the sampling interval is shorter than the relaxation time of the trap.
+
+    The relaxation time is taken at both ends of the run.
+    """
     scene, time, position = scene_in(run.attributes), run["time"], run["position"]
     if len(time) < 2:
         return False

@@ -158,7 +158,11 @@ def simulate(
 
 
 def going_on_from(scene: Scene, earlier: xr.Dataset | str | Path) -> tuple[Scene, Continued]:
-    """Return the scene of a run that goes on, and from what: see `tweezer.dynamics.continuing`."""
+    """Return the scene of a run that continues an earlier one, and the state from which it
+    continues.
+
+    See `tweezer.dynamics.continuing`. earlier: run, or its file.
+    """
     if isinstance(earlier, str | Path):
         earlier = load_run(earlier)
     attributes: dict[str, Any] = {str(key): value for key, value in earlier.attrs.items()}
@@ -251,6 +255,7 @@ def motion_of(
         warn(f"{scene.name}: {result.message}")
 
     def find_errors() -> None:
+        """Compute the errors of the force and of the model, and add them to the run."""
         with contextlib.suppress(KeyboardInterrupt):
             run.variables.update(force_errors(problem, result.times, motion, light))
             if result.path is not None and summary is not None:
@@ -262,7 +267,10 @@ def motion_of(
 
 
 def _end(equations: EquationsOfMotion, result: Integration, budget: ErrorBudget) -> dict[str, str]:
-    """Return the attribute that says where a run goes on: `tweezer.dynamics.continuing`."""
+    """Return the attribute with the state from which a run can be continued.
+
+    See `tweezer.dynamics.continuing`. It is empty for a run without a final state.
+    """
     if result.end is None:
         return {}
     finer = budget.finer.run.end if budget.finer else None
@@ -272,7 +280,7 @@ def _end(equations: EquationsOfMotion, result: Integration, budget: ErrorBudget)
 
 
 def _as_text(events: Sequence[Occurrence]) -> str:
-    """Return events as the attribute of a run has them."""
+    """Return events as the JSON text in the attribute of a run: name, time (s) and position (m)."""
     return json.dumps(
         [
             {"name": event.name, "time": event.time, "position": event.state[POSITION].tolist()}
@@ -283,22 +291,26 @@ def _as_text(events: Sequence[Occurrence]) -> str:
 
 @dataclass
 class _Followed:
-    """Trajectory 0 of a walk, as far as it has been followed."""
+    """Trajectory 0 of a thermal motion (`Walk`), as far as it has been computed."""
 
     bound: Walk
+    """the thermal motion: equations, scheme, steps and random numbers"""
     first: int
-    """sample of the whole motion at which the run begins"""
+    """index of the sample, in the whole motion, at which this run begins"""
     state: Array
-    """(1, state), moved along"""
+    """(1, state) state of the scheme at the last computed sample, advanced in place"""
     columns: Array
-    """(1, samples, columns), filled up to `reached`"""
+    """(1, samples, columns) output at the samples, filled up to `reached`"""
     watch: Watch
+    """search for events"""
     reached: int = 1
+    """number of samples that are computed"""
     status: str = "complete"
     message: str = ""
     step_time: float = 0.0
+    """time of the steps, s"""
     seen: list[Array] = dataclasses.field(default_factory=list)
-    """what a camera saw, (frames, axes) m each"""
+    """positions in the frames of a camera, (frames, axes) m for each piece of the motion"""
 
     def __post_init__(self) -> None:
         self.times = self.bound.times[self.first :]
@@ -307,7 +319,9 @@ class _Followed:
 
     @classmethod
     def begin(cls, bound: Walk, begun: Continued | None, events: Sequence[Event]) -> _Followed:
-        """Return the beginning of a run, new or continued."""
+        """Return a run at its beginning: the release, or the last state of the run that it
+        continues.
+        """
         first = begun.sample if begun else 0
         state = bound.start(np.zeros(1, np.int64))
         columns = np.empty((1, len(bound.times) - first, bound.shown.width))
@@ -319,11 +333,14 @@ class _Followed:
 
     @property
     def lost(self) -> float:
-        """When the bead was lost, s; infinite before."""
+        """Time at which the bead was lost, s; infinite if it was not."""
         return float(self.bound.lost(self.state)[0])
 
     def follow(self, progress: Callable[[float], None] | None, *, watched: bool) -> None:
-        """Follow the walk to its end, a loss, an event, an interrupt or a failure."""
+        """Compute the motion up to its end, a loss, an event, an interrupt or a failure.
+
+        progress: called with the time reached, s. watched: whether events are searched.
+        """
         times, samples = self.times, len(self.times)
         at_once = max(1, _STEPS_AT_ONCE // self.bound.per_sample)
         affordable = self.bound.scene.simulation.most_force_calls // max(self.calls, 1)
@@ -353,7 +370,9 @@ class _Followed:
             self.reached = int(np.isfinite(self.columns[0, : self.reached, POSITION.start]).sum())
 
     def _step(self, last: int, *, watched: bool) -> None:
-        """Fill the samples up to `last`."""
+        """Compute the samples from `reached` up to index `last`. watched: whether events are
+        searched.
+        """
         trajectory, piece = np.zeros(1, np.int64), self.columns[:, self.reached : last]
         at = self.first + self.reached - 1
         if not watched:
@@ -364,7 +383,7 @@ class _Followed:
         self.watch.look(Line(ends[:held], steps[0, :held]))
 
     def cut(self) -> tuple[Array, Array]:
-        """Return the times and samples up to an event that ended the run, with this event."""
+        """Return times (n,) s and output (n, columns) of the run, up to an event that ended it."""
         times, samples = self.times, self.columns[0, : self.reached]
         if self.watch.last is not None:
             self.status, self.message = self.watch.status, self.watch.message
@@ -385,7 +404,11 @@ def _thermal_run(
     begun: Continued | None,
     events: Sequence[Event],
 ) -> tuple[Run, Callable[[], None]]:
-    """Trajectory 0 of the ensemble of that seed."""
+    """Return the run with thermal motion, trajectory 0 of the ensemble with the same seed.
+
+    The second result adds the missing errors to a run; here it does nothing. begun: run that this
+    one continues, or None.
+    """
     from tweezer.dynamics.walk import walk
 
     with timed() as seconds:
@@ -441,7 +464,7 @@ def _thermal_run(
 
 
 def _warn_of_sticking(bound: Walk, motion: Motion) -> None:
-    """Warn of steps that are too long for a bead that touched a wall."""
+    """Warn if steps are too long for a bead that touched the wall: it may come off by mistake."""
     from tweezer.dynamics.beside_wall import rate_of_sticking
 
     rate = rate_of_sticking(bound.problem)
@@ -459,7 +482,10 @@ def _run(
     light: Wrench,
     attributes: dict[str, Any],
 ) -> Run:
-    """Motion and derived quantities at `times`, in which `light` acts on the bead."""
+    """Return a run with motion and derived quantities at `times`, (n,) s.
+
+    light: force of the light at these times.
+    """
     coordinates: dict[str, Variable] = {
         "time": variable(("time",), times, "s", "time since release"),
     }
@@ -474,7 +500,10 @@ def _run(
 
 
 def _filmed(run: Run, frames: Frames, times: Array, places: Array) -> Run:
-    """A run with what its camera saw: places (frames, axes) m, in the middle of exposures."""
+    """Return a run with the positions that its camera saw.
+
+    times: (frames,) s, middle of the exposures. places: (frames, axes) m.
+    """
     coordinates: dict[str, Variable] = {
         "frame_time": variable(
             ("frame",), times, "s", "time since release, middle of the exposure"
@@ -490,7 +519,7 @@ def _filmed(run: Run, frames: Frames, times: Array, places: Array) -> Run:
 
 
 def _about_the_run(problem: Problem, why: str) -> dict[str, Any]:
-    """The attributes that every run has alike."""
+    """Return the attributes that every run has. why: reason for the choice of model and method."""
     scene, medium = problem.scene, problem.scene.medium
     remembered = f", {medium.poles} poles" if medium.inertia == "memory" else ""
     others: dict[str, Any] = {}
@@ -517,6 +546,7 @@ def _adjusted(
     method: str | None,
     tolerance: float | None,
 ) -> Scene:
+    """Return a scene with the arguments of `simulate` that are given in place of its own keys."""
     given = {"duration": duration, "model": model, "method": method}
     changes: dict[str, object] = {key: each for key, each in given.items() if each is not None}
     if tolerance is not None:

@@ -1,4 +1,4 @@
-"""Outcome of a run: captured or lost, when, and the extremes on the way."""
+"""Summary of a run: its outcome, captured or lost, with the time and the extremes of the motion."""
 
 from __future__ import annotations
 
@@ -71,9 +71,9 @@ class Summary(Result):
     closest_approach: float | None
     """distance to the focus at the first closest approach (FCA), m; None if there is none"""
     closest_approach_time: float | None
-    """s"""
+    """time of the first closest approach, s; None if there is none"""
     largest_reynolds_number: float | None
-    """None for thermal motion without inertia"""
+    """largest Reynolds number (5.1); None for thermal motion without inertia"""
     largest_force: float
     """largest force of the light at positions along the path, N"""
     force_error: float
@@ -85,24 +85,28 @@ class Summary(Result):
     motion, a run that failed or had too many steps to store, a part of a run, a file of an older
     version"""
     outcome_time_error: float | None = None
-    """s; None if not known, as for the other errors"""
+    """error of `outcome_time`, s; None if not known, as for the other errors"""
     overshoot_error: float | None = None
-    """m"""
+    """error of `overshoot`, m"""
     closest_approach_error: float | None = None
-    """m"""
+    """error of `closest_approach`, m"""
     closest_approach_time_error: float | None = None
-    """s"""
+    """error of `closest_approach_time`, s"""
     largest_reynolds_number_error: float | None = None
+    """error of `largest_reynolds_number`"""
     smallest_gap: float | None = None
-    """between the bead and the wall, or the nearer of two, m; None without a wall"""
+    """smallest distance between bead and nearer wall, m; None without a wall"""
     smallest_gap_error: float | None = None
-    """m"""
+    """error of `smallest_gap`, m"""
     sought_within: float | None = None
     """distance from the end within which an equilibrium was sought, m"""
 
     @property
     def untold(self) -> str:
-        """Where no equilibrium was found, or why none was sought; empty if the bead is captured."""
+        """End of a sentence on the outcome: where no equilibrium was found, or why none was sought.
+
+        It is "" for other outcomes.
+        """
         if self.outcome == "not captured" and self.sought_within is not None:
             within = printed(self.sought_within, "um", 3)
             return f"; no stable equilibrium within {within} of its end"
@@ -119,11 +123,11 @@ class Summary(Result):
             )
 
     def words(self) -> dict[str, str]:
-        """The outcome, and where no equilibrium was found or sought."""
+        """Return the outcome, and the reason why the bead is not captured or that is not known."""
         return {"outcome": self.outcome, "reason": self.untold.removeprefix("; ")}
 
     def card(self) -> Card:
-        """Outcome, end, approach, force."""
+        """Return the card with outcome, end, approach and force."""
         doubt = "by the samples: what happens between them is not seen" if self.by_samples else ""
         force = located(self.largest_force, self.force_error, "pN")
         largest = "not known" if math.isnan(self.largest_force) else force
@@ -131,7 +135,10 @@ class Summary(Result):
         return Card("Summary", "", rows)
 
     def outcome_rows(self, doubt: str = "") -> Iterator[Row]:
-        """What became of the bead, and where it was; `doubt` speaks against it."""
+        """Yield the rows on the outcome, the end and the smallest gap.
+
+        doubt: caveat of the outcome; "" for none.
+        """
         when = located(self.outcome_time, self.outcome_time_error, "ms")
         yield Row("outcome", f"{self.outcome}, {when}{self.untold}", doubt)
         x, y, z = (round(scaled(coordinate, "um"), 4) + 0.0 for coordinate in self.end)  # no -0.0
@@ -141,7 +148,7 @@ class Summary(Result):
             yield Row("smallest gap to the wall", gap)
 
     def approach_rows(self) -> Iterator[Row]:
-        """How the bead came to the focus."""
+        """Yield the rows on the overshoot, the first closest approach and the Reynolds number."""
         if not math.isnan(self.overshoot):
             overshoot = located(self.overshoot, self.overshoot_error, "um")
             yield Row("overshoot past the axis", overshoot)
@@ -181,7 +188,7 @@ def summarise(run: xr.Dataset) -> Summary:
 
 
 def summary_of(run: Run) -> Summary:
-    """Summary of a run: see `summarise`."""
+    """Return the summary of a run; see `summarise`."""
     times, position = run["time"], run["position"]
     if "summary" in run.attributes:
         summary = _read(run.attributes["summary"])
@@ -211,9 +218,11 @@ def summary_of(run: Run) -> Summary:
 
 
 def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> Summary:
-    """Summary of a run by its path; the error of the force is not known yet.
+    """Return the summary of a run from its path between samples; the error of the force is still
+    NaN.
 
-    run: the run without it. integrated: the run, with its path.
+    run: samples and attributes. integrated: the integration, with its path. budget: its errors,
+    with the finer run from which the errors of events follow.
     """
     path = integrated.path
     assert path is not None
@@ -274,7 +283,13 @@ def _read(text: str) -> Summary:
 def _errors(
     here: Passage, located: Passage, budget: ErrorBudget, rest: Array, nearby: float
 ) -> Passage:
-    """Errors from the differences to the finer run; NaN if there is none."""
+    """Return the errors of the events on a path, by comparison with a finer run; NaN without one.
+
+    here: events of the run. located: errors of locating them. budget: contains the finer run. rest:
+    (3,) position, or radius and height of a ring, where the bead settles, m. nearby: distance from
+    it within which it has settled, m. Each error is the difference to the finer run, times the
+    ratio of error to difference, plus both errors of locating.
+    """
     finer = budget.finer
     if finer is None or finer.run.path is None:
         return Passage(*[math.nan] * len(here))
@@ -294,31 +309,38 @@ def force_error_along(path: Path) -> float:
 
 
 def _places(path: Path) -> tuple[Array, Array]:
-    """Some positions on the path, (n, 3) m, and their times, (n,) s."""
+    """Return at most 1000 positions on a path, (n, 3) m, and their times, (n,) s."""
     times = path.checkpoints
     times = times[:: -(-len(times) // _PLACES)]
     return path.positions(times), times
 
 
 def _largest(vectors: Array) -> float:
+    """Return the largest length of vectors (n, 3)."""
     return float(np.linalg.norm(vectors, axis=1).max())
 
 
 def _point(position: Array) -> tuple[float, float, float]:
+    """Return an array of three coordinates as a tuple of floats."""
     x, y, z = position.tolist()
     return x, y, z
 
 
 def _known(value: float) -> float | None:
+    """Return a value, or None for NaN."""
     return None if math.isnan(value) else value
 
 
 def _outcome(
     run: Run, times: Array, position: Array, scene: Scene, bound: Problem | None = None
 ) -> tuple[str, float, Array, float]:
-    """Outcome, its time by the samples, s, and where the bead settled, (3,) m, with its error, m.
+    """Return the outcome of a run, its time, where the bead settled, and the error of that
+    position.
 
-    bound: the scene, if it is bound already.
+    The time, s, is by the samples. The position, m, is (3,), or radius and height of a ring; its
+    error is in m.
+
+    times: (n,) s. position: (n, 3) m. bound: the scene, if its equations are bound already.
     """
     if "status" not in run.attributes:
         raise ResultError("not a run: it has no attribute status")
@@ -344,9 +366,9 @@ def _outcome(
 
 
 def _too_shallow(problem: Problem, outcome: str, rest: Array) -> bool:
-    """Whether an equilibrium, or a ring, is too shallow to hold a bead in thermal motion.
+    """Return whether an equilibrium or a ring is too shallow to hold a bead in thermal motion.
 
-    rest: (3,) m, or the radius and height of the ring.
+    rest: (3,) position of the equilibrium, or (2,) radius and height of the ring, m.
     """
     about = problem.scene, problem.search, problem.net_force
     if outcome == CAPTURED:
@@ -356,17 +378,19 @@ def _too_shallow(problem: Problem, outcome: str, rest: Array) -> bool:
 
 
 def _sought(scene: Scene) -> float:
-    """Distance from the end of a run within which an equilibrium captures the bead, m."""
+    """Return the distance from a run's end within which an equilibrium captures the bead, m."""
     return (1.0 if scene.forces.brownian else CAPTURE_RADII) * scene.body.size
 
 
 def _stable_equilibrium(
     problem: Problem, settled: Array, time: float, reach: float
 ) -> tuple[Array, float] | None:
-    """The stable equilibrium less than `reach`, m, from the mean of places, and its error, m.
+    """Return the stable equilibrium near the mean of positions, (3,) m, and its error, m.
 
-    By Newton's method, of all forces but drag at a time, s; the error is the last step. None if
-    there is none, or if a bead beside it would not return.
+    It is the zero of all forces but drag at `time`, s, by Newton's method; the last step is its
+    error. Returns None if there is none within `reach`, m, or if a bead beside it would not return.
+
+    settled: (n, 3) m, positions at the end of the run.
     """
     place = settled.mean(axis=0)
     rest, step = place, np.full(3, math.inf)
@@ -387,9 +411,10 @@ def _stable_equilibrium(
 
 
 def _ring(problem: Problem, settled: Array, reach: float) -> tuple[Array, float] | None:
-    """Return radius and height of the ring within `reach`, m, of the mean position, and its error.
+    """Return the ring near the mean of positions, as (2,) radius and height, m, and its error, m.
 
-    Returns None without such a ring, or if a bead does not stay on it.
+    Returns None if there is none within `reach`, m, or if a bead does not stay on it. settled: (n,
+    3) m, positions at the end of the run.
     """
     if not problem.round_axis:
         return None
@@ -407,7 +432,10 @@ def _ring(problem: Problem, settled: Array, reach: float) -> tuple[Array, float]
 
 
 def _overshoot(position: Array) -> float:
-    """Largest lateral excursion against the direction of the start; 0 for a start on the axis."""
+    """Return the largest excursion across the axis, on the side away from the start, m.
+
+    It is 0 for a start on the axis. position: (n, 3) m.
+    """
     lateral = position[:, :2]
     distance = np.linalg.norm(lateral[0])
     if distance == 0.0:
@@ -416,7 +444,11 @@ def _overshoot(position: Array) -> float:
 
 
 def _closest_approach(run: Run) -> tuple[float, float] | tuple[None, None]:
-    """Distance, m, and time, s, of the first closest approach; None where there is none."""
+    """Return distance, m, and time, s, of the first closest approach to the focus; None without
+    one.
+
+    They come from the events of the run, or else from its samples.
+    """
     for event in events_in(run.attributes):
         within = run["time"][0] <= event.time <= run["time"][-1]  # of a part of a run too
         if event.name == "closest approach" and within:
