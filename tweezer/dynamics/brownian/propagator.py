@@ -26,11 +26,12 @@ _SHORT = 1 / 64
 
 
 class Weights(NamedTuple):
-    """A step of each coordinate, all (dims,), for a slow velocity u that rises by du over it.
+    """Coefficients of a step of each coordinate, all (dims,) unless stated otherwise.
 
-    x gains by_v v + by_u u + by_rise du + noise_x n, and v becomes
-    decay v + v_by_u u + v_by_rise du + noise_xv n + noise_v n', where u is the whole slow velocity
-    at x, spring and all, and du what is beyond the spring.
+    x gains by_v v + by_u u + by_rise du + noise_x n, and v becomes decay v + v_by_u u + v_by_rise
+    du + noise_xv n + noise_v n'. Here x is the position, v the velocity, u the slow velocity (force
+    over drag) at x, including the spring's, du its change over the step beyond the change by the
+    spring, and n, n' independent standard normal numbers.
     """
 
     by_v: Array
@@ -40,30 +41,41 @@ class Weights(NamedTuple):
     by_rise: Array
     """s"""
     decay: Array
+    """fraction of the velocity that is left after the step"""
     v_by_u: Array
+    """velocity per slow velocity"""
     v_by_rise: Array
+    """velocity per change of the slow velocity"""
     kappa: Array
-    """1/s, of the spring that is taken exactly"""
+    """1/s, stiffness over drag of the spring whose motion is exact"""
     noise_x: Array
-    """m, or rad"""
+    """standard deviation of the noise of the position, m or rad"""
     noise_xv: Array
-    """m/s, or rad/s: the part of the velocity's noise that goes with the position's"""
+    """m/s or rad/s: the part of the velocity's noise that is proportional to the position's"""
     noise_v: Array
-    """m/s, or rad/s"""
+    """standard deviation of the rest of the velocity's noise, m/s or rad/s"""
     coupled: Array = np.zeros((0, 0))
-    """(m, m) what the step leaves of position and velocity about the trap's centre, where its
-    spring couples the coordinates: m = 6, or 3 without inertia; empty where it does not"""
+    """(m, m) matrix by which a step multiplies position and velocity relative to the trap's centre,
+    where its spring couples the coordinates: m = 6, or 3 without inertia; empty where it does
+    not
+    """
     coupled_noise: Array = np.zeros((0, 0))
-    """(m, m) lower triangular, their noise; m and m/s"""
+    """(m, m) lower triangular matrix by which normal numbers become the noise of a coupled step; m
+    and m/s
+    """
     memory: Array = memory.NONE
-    """(3, 7 + n, n) see `tweezer.dynamics.brownian.memory`: of the axes of translation, whose by_v,
-    decay, v_by_u, v_by_rise, noise_xv and noise_v are then 0"""
+    """(3, 7 + n, n) coefficients of the n hidden variables of each axis of translation, see
+    `tweezer.dynamics.brownian.memory`; by_v, decay, v_by_u, v_by_rise, noise_xv and noise_v of
+    these axes are then 0
+    """
 
 
 def inertial_block(h: float, tau: float, kappa: float) -> Array:
-    """d, j, l, c_xx and c_vv of a step of any length: see `derivation.langevin`.
+    """Return d, j, l, c_xx and c_vv of a step with inertia, as `derivation.langevin` defines them.
 
-    Not compiled: a run asks once for each axis.
+    h: length of the step, s, of any size. tau: relaxation time of the velocity, s. kappa: stiffness
+    over drag, 1/s. The series for a short step is doubled to the length h. The function is not
+    compiled, because a run calls it once for each axis.
     """
     halvings = _halvings(h / tau, abs(kappa) * h, math.sqrt(abs(kappa) / tau) * h)
     h = math.ldexp(h, -halvings)
@@ -75,7 +87,11 @@ def inertial_block(h: float, tau: float, kappa: float) -> Array:
 
 
 def overdamped_block(h: float, kappa: float) -> Array:
-    """d and j of a step of any length; not compiled either."""
+    """Return d and j of a step without inertia, as `derivation.langevin` defines them.
+
+    h: length of the step, s, of any size. kappa: stiffness over drag, 1/s. Not compiled, because a
+    run calls it once for each axis.
+    """
     halvings = _halvings(abs(kappa) * h)
     h = math.ldexp(h, -halvings)
     block = np.array(langevin.overdamped_of_a_short_step.py_func(h, kappa))
@@ -86,13 +102,18 @@ def overdamped_block(h: float, kappa: float) -> Array:
 
 
 def _halvings(*sizes: float) -> int:
+    """Return how often a step must be halved for the series: until all sizes are below `_SHORT`.
+
+    sizes: the step over each time scale of the motion.
+    """
     return max(0, math.ceil(math.log2(max(max(sizes) / _SHORT, 1.0))))
 
 
 def exact(h: float, tau: Array, kappa: Array, diffusion: Array) -> Weights:
-    """The exact step; tau = 0 for a coordinate without inertia. All (dims,).
+    """Return the coefficients of the exact step under drag, springs and noise.
 
-    diffusion: kT/beta, m^2/s or rad^2/s; kT/m is that over tau.
+    h: length of the step, s. tau, kappa, diffusion: (dims,) relaxation time of the velocity, s (0
+    for a coordinate without inertia); stiffness over drag, 1/s; kT/drag, m^2/s or rad^2/s.
     """
     columns = [
         _inertial(h, *each) if each[0] > 0 else _overdamped(h, *each[1:])
@@ -102,9 +123,11 @@ def exact(h: float, tau: Array, kappa: Array, diffusion: Array) -> Weights:
 
 
 def with_memory(h: float, times: Array, parts: Array, exact: Weights, diffusion: Array) -> Weights:
-    """The step of a fluid with memory, for the springs of the exact one without.
+    """Return the coefficients of a step in a fluid with memory, from those without memory.
 
-    times, parts: (n,) of `tweezer.dynamics.brownian.memory`.
+    h: length of the step, s. times, parts: (n,) relaxation times tau_j, s, and weights a_j of the
+    velocity modes, see `tweezer.dynamics.brownian.memory`. exact: coefficients without memory,
+    whose springs and rotation are kept. diffusion: (dims,) kT/drag, m^2/s or rad^2/s.
     """
     kappa = exact.kappa[TRANSLATION].tolist()
     axes = [
@@ -128,12 +151,14 @@ def with_memory(h: float, times: Array, parts: Array, exact: Weights, diffusion:
 
 
 def coupled(h: float, tau: Array, rates: Array, diffusion: Array) -> tuple[Array, Array]:
-    """What a step leaves of (position, velocity), and a lower root of their noise's covariance.
+    """Return the matrix of a step of (position, velocity) and a lower root of its noise's
+    covariance.
 
-    tau: (3,) s; zeros without inertia, and then of the position alone. rates: (3, 3) 1/s, mobility
-    times stiffness. diffusion: (3,) m^2/s.
+    h: length of the step, s. tau: (3,) relaxation times, s; zeros without inertia, and then the
+    matrices are those of the position alone. rates: (3, 3) mobility times stiffness, 1/s.
+    diffusion: (3,) m^2/s.
 
-    A short step is doubled, which adds covariances up and keeps their digits.
+    The matrices of a short step are doubled: this adds covariances, so no digits cancel.
     """
     size = float(np.linalg.norm(rates, 2))
     sizes = [size * h]
@@ -157,11 +182,13 @@ def coupled(h: float, tau: Array, rates: Array, diffusion: Array) -> tuple[Array
 
 
 def stationary_root(tau: Array, rates: Array, diffusion: Array) -> Array:
-    """Lower root of the covariance of (position, velocity) in the trap, of the position without
-    inertia: as `coupled`. It solves the Lyapunov equation of the linear motion.
+    """Return a lower root of the stationary covariance of (position, velocity) in the trap.
 
-    Raises `SceneError` if there is none: light that pushes a bead round the axis drives it out of a
-    trap whose drag is too weak.
+    Without inertia (tau = 0) the covariance is that of the position alone. Arguments as in
+    `coupled`. The covariance solves the Lyapunov equation of the linear motion.
+
+    Raises `SceneError` if there is no stationary motion: light that pushes a bead round the axis
+    drives it out of a trap whose drag is too weak.
     """
     tau_or_none = tau if tau[0] > 0 else tau[:0]
     if np.array_equal(rates, np.diag(np.diag(rates))):
@@ -182,17 +209,18 @@ def stationary_root(tau: Array, rates: Array, diffusion: Array) -> Array:
 
 
 def stationary_root_with_memory(weights: Weights, rates: Array) -> Array:
-    """Root of the stationary covariance of position and z, (3 + 3 n, 3 + 3 n), under steps of Heun.
+    """Return a root of the stationary covariance of position and hidden variables under Heun steps.
 
-    rates: (3, 3) 1/s, mobility times stiffness, as `coupled`; what is beside the spring of the
-    weights acts as the force does. Raises `SceneError` as `stationary_root`.
+    The result is (3 + 3 n, 3 + 3 n), for n hidden variables z of each axis. rates: (3, 3) mobility
+    times stiffness, 1/s; entries beyond the springs of the weights act as the rest of the force
+    does. Raises `SceneError` as `stationary_root`.
     """
     z, n = weights.memory, weights.memory.shape[2]
     size = 3 + 3 * n
     of_x, of_z = np.split(np.eye(size), [POSITION.stop])
 
     def of_axes(weight: Array) -> Array:
-        """(3, n) as the matrix (3, 3 n) of its axis."""
+        """Return coefficients (3, n), a row for each axis, as a block-diagonal matrix (3, 3 n)."""
         made: Array = (np.eye(3)[:, :, None] * weight).reshape(3, 3 * n)
         return made
 
@@ -230,7 +258,10 @@ def stationary_root_with_memory(weights: Weights, rates: Array) -> Array:
 
 
 def _linear_motion(tau: Array, rates: Array, diffusion: Array) -> tuple[Array, Array]:
-    """A and q of dz = A z dt + sqrt(q) dW, z the position and, with inertia, the velocity."""
+    """Return A and q of dz = A z dt + sqrt(q) dW.
+
+    z is the position and, with inertia (tau > 0), the velocity. Arguments as in `coupled`.
+    """
     if tau[0] == 0:
         return -rates, 2 * diffusion
     none, one = np.zeros((3, 3)), np.eye(3)
@@ -239,7 +270,11 @@ def _linear_motion(tau: Array, rates: Array, diffusion: Array) -> tuple[Array, A
 
 
 def _root(covariance: Array) -> Array:
-    """Lower root of a covariance whose variances may be of any size."""
+    """Return the lower Cholesky root of a covariance, whose variances may differ by any factor.
+
+    It is the root of the correlation matrix, scaled by the standard deviations: so units do not
+    matter.
+    """
     spread = np.sqrt(np.diag(covariance))
     correlation = (covariance + covariance.T) / (2 * np.outer(spread, spread))
     root: Array = cholesky(correlation, lower=True) * spread[:, None]
@@ -247,6 +282,9 @@ def _root(covariance: Array) -> Array:
 
 
 def _inertial(h: float, tau: float, kappa: float, diffusion: float) -> tuple[float, ...]:
+    """Return the fields of `Weights` from by_v to noise_v for one coordinate with inertia; see
+    `exact`.
+    """
     block = inertial_block(h, tau, kappa)
     *weights, c_xv = langevin.inertial_step.py_func(h, tau, kappa, block)
     c_xx, c_vv = block[3:].tolist()
@@ -258,5 +296,8 @@ def _inertial(h: float, tau: float, kappa: float, diffusion: float) -> tuple[flo
 
 
 def _overdamped(h: float, kappa: float, diffusion: float) -> tuple[float, ...]:
+    """Return the fields of `Weights` from by_v to noise_v for one coordinate without inertia; see
+    `exact`.
+    """
     by_u, by_rise, spread = langevin.overdamped_step.py_func(h, kappa, overdamped_block(h, kappa))
     return 0.0, by_u, by_rise, 0.0, 0.0, 0.0, kappa, math.sqrt(diffusion * spread), 0.0, 0.0

@@ -43,36 +43,41 @@ class Tableau(NamedTuple):
     """Coefficients of a method of s stages; row s stands for the rate at the end of the step."""
 
     order: int
-    """of the solution"""
+    """order of the solution: its error in a run is proportional to this power of the step"""
     estimate: int
-    """power of the step that the error estimate goes by"""
+    """power of the step with which the error estimate of one step scales"""
     c: Array
-    """(s + 1 + x,) times of the stages, in parts of the step"""
+    """(s + 1 + x,) times of the s stages, of the end of the step and of the x extra stages, as
+    fractions of the step
+    """
     a: Array
-    """(s, s) stages"""
+    """(s, s) weights of the earlier rates in the state of each stage"""
     b: Array
-    """(s,) weights"""
+    """(s,) weights of the rates in the state at the end of the step"""
     error: Array
-    """(s + 1,) weights of the error estimate"""
+    """(s + 1,) weights of the rates in the error estimate E"""
     damping: Array
-    """(s + 1,) weights of a second estimate E3, if the error is E^2/sqrt(E^2 + 0.01 E3^2); or (0,)
+    """(s + 1,) weights of the rates in a second estimate E3, if the error is E^2/sqrt(E^2 + 0.01
+    E3^2); or (0,)
     """
     extra: Array
-    """(x, s + 1 + x) more stages for the dense output"""
+    """(x, s + 1 + x) weights of the rates in the states of the extra stages, which only the dense
+    output needs
+    """
     dense: Array
-    """(degree, s + 1 + x) weights of the rates in the coefficient of each power of the place in
-    the step, from the first on"""
+    """(degree, s + 1 + x) weights of the rates in the dense output: row p has the coefficient of
+    theta^(p + 1), where theta is the fraction of the step
+    """
 
 
 @functools.cache
 def loop() -> Any:
-    """The compiled loop.
+    """Return the compiled loop, `advance(system, tableau, control, y, clock, counts, records)`.
 
-    It has the signature `(system, tableau, control, y, clock, counts, records)` and returns the
-    number of records written and why it stopped. y: (state,) at clock[0], s; clock: (3,) time,
-    step to try (0: found here), error of the last step; counts: (3,) steps, rejected steps, force
-    calls. All three are kept up to date, so that a further call goes
-    on.
+    It returns the number of records written and the status with which it stopped. y: (state,) at
+    the time clock[0]. clock: (3,) time, s; step to try, s (0: the loop chooses it); error of the
+    last step over the tolerance. counts: (3,) steps, rejected steps, force calls. It updates all
+    three in place, so that a further call continues the run.
     """
 
     def advance(  # type: ignore[no-untyped-def]
@@ -153,9 +158,11 @@ def loop() -> Any:
 
 @named_njit(inner=True, error_model="numpy")
 def _wild(tableau, control, y, step, k):  # type: ignore[no-untyped-def]
-    """Whether a rate for the dense output alone is far beyond those that the error is by.
+    """Return whether a rate of the extra stages is far larger than those that determine the error.
 
-    So it is where it is evaluated behind a wall that the other stages did not touch.
+    This happens where an extra stage, used for the dense output only, is evaluated behind a wall
+    that the other stages did not reach. k: (stages, state) rates; step: s; y: (state,) at the
+    beginning.
     """
     first = len(k) - len(tableau.extra)
     for i in range(y.size):
@@ -171,6 +178,9 @@ def _wild(tableau, control, y, step, k):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _combined(y, step, k, weights, stages, out):  # type: ignore[no-untyped-def]
+    """Fill `out` (state,) with y + step times the weighted sum of the first `stages`
+    rates in `k`.
+    """
     for i in range(y.size):
         total = 0.0
         for stage in range(stages):
@@ -180,7 +190,11 @@ def _combined(y, step, k, weights, stages, out):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _error(tableau, control, y, new, step, k):  # type: ignore[no-untyped-def]
-    """Root mean square of the error over the tolerances."""
+    """Return the root mean square of the error of a step over the tolerances of the state.
+
+    y, new: (state,) at the beginning and the end of the step of length `step`, s. k: (stages,
+    state) rates.
+    """
     squared = damping = 0.0
     for i in range(y.size):
         scale = control.absolute[i] + control.relative * max(abs(y[i]), abs(new[i]))
@@ -204,7 +218,12 @@ def _error(tableau, control, y, new, step, k):  # type: ignore[no-untyped-def]
 def _first_step(  # type: ignore[no-untyped-def]
     system, at, tableau, control, time, y, rate, inner, new
 ):
-    """Hairer's first step: II.4 of the book."""
+    """Return the length of the first step, s, by Hairer's algorithm (section II.4 of the book).
+
+    It compares the state, its rate and the change of the rate over a trial step with the
+    tolerances. at: workspace of the force. y, rate: (state,) initial state and its rate. inner,
+    new: (state,) workspace.
+    """
     size = speed = 0.0
     for i in range(y.size):
         scale = control.absolute[i] + control.relative * abs(y[i])
@@ -229,7 +248,11 @@ def _first_step(  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy")
 def sample(times, begin, length, state, shape, out):  # type: ignore[no-untyped-def]
-    """States at `times`, ascending, from the steps that hold them: (n, state)."""
+    """Fill `out` (n, state) with the states at ascending `times` (n,), s, from recorded steps.
+
+    begin, length, state, shape: the fields of `Records`; the dense output of a step is a polynomial
+    in the fraction of the step.
+    """
     step = 0
     for at in range(times.size):
         while step + 1 < begin.size and times[at] >= begin[step + 1]:
@@ -244,18 +267,21 @@ def sample(times, begin, length, state, shape, out):  # type: ignore[no-untyped-
 
 @dataclass(frozen=True)
 class Explicit:
-    """An explicit method."""
+    """Explicit Runge-Kutta method, given by its tableau."""
 
     tableau: Tableau
 
     def bound(self, equations: Equations) -> Bound:
-        """The method bound to equations of motion."""
+        """Return the method bound to equations of motion."""
         start = equations.initial_state if equations.begin is None else equations.begin.inner
         shape = len(self.tableau.dense), len(start)
         return Bound(loop(), self.tableau, start.copy(), shape, _states)
 
 
 def _states(records: Records, times: Array) -> Array:
+    """Return the states (n, state) at ascending times, s, from the records of an
+    explicit method.
+    """
     out = np.empty((len(times), records.state.shape[1]))
     sample(times, *records, out)
     return out

@@ -113,89 +113,130 @@ _SLOW = 0.5
 #: rotation, and the relaxation times of a drag by place
 _MODES = POSITION.stop
 
+#: Number of vector components at all nodes, and of elements of a matrix from node to node
 _ALL = 3 * NODES
 _MATRIX = NODES * NODES
 _flat_legendre = TO_LEGENDRE.ravel()
 #: Powers 1 to NODES of the nodes' places, by power
 _POWERS = (PLACES ** np.arange(1, NODES + 1)[:, None]).ravel()
 _PER_PLACE = 1.0 / PLACES
+#: 1/m for m = 1 to NODES: evaluates sum_m U_m x^m/m! by nested products
 _OVER = 1.0 / np.arange(1.0, NODES + 1.0)
-#: Legendre's polynomials from one degree to the next: x times the last, less the one before
+#: Recursion of Legendre polynomials: P_(k+1) = _UP[k] x P_k - _DOWN[k] P_(k-1)
 _UP = (2.0 * np.arange(NODES) + 1.0) / np.arange(1.0, NODES + 1.0)
 _DOWN = np.arange(NODES) / np.arange(1.0, NODES + 1.0)
 
 
 class Relaxation(NamedTuple):
-    """What follows the force, and how; and what a run carries from step to step."""
+    """Data of the method for one bead, and the values that a run carries from step to step.
+
+    The slow velocity u is the velocity to which the bead relaxes, (force + weight) times mobility.
+    """
 
     plain: Part
-    """the force without gradients"""
+    """compiled force without its gradients"""
     modes: Modes
-    """along each axis, (3, modes), and about it if there is a rotation, (6, modes)"""
+    """relaxation times and weights of the velocity modes along each axis, (3, modes), or along and
+    about each axis if the bead rotates, (6, modes)
+    """
     turn: int
     """address of `turn_over`; 0 without a rotation"""
     regions: Part
-    """the force's, see `Force.regions`; kernel 0 if it is smooth everywhere"""
+    """function that numbers the regions in which the force is smooth, see `Force.regions`; its
+    kernel is 0 if the force is smooth everywhere
+    """
     response: Array
-    """(3,) or (6,) slow velocity over force, and angular velocity over moment"""
+    """(3,) or (6,) mobilities: slow velocity over force, s/kg, and angular velocity over moment,
+    1/(N m s)
+    """
     drift: Array
-    """(3,) m/s, slow velocity by the weight"""
+    """(3,) m/s, slow velocity due to the weight"""
     first: float
-    """s, the first step, by the force at the time 0; also after kinks in time"""
+    """length of the first step, s, from the force at time 0; used again after kinks of the force in
+    time
+    """
     fastest: float
-    """m/s, a speed that the bead hardly exceeds"""
+    """m/s, a speed that the bead rarely exceeds; tolerances are stated for this speed"""
     inertia: Array
-    """(3,) kg, relaxation time over mobility, of a drag by place whose relaxation is followed; else
-    (0,)"""
+    """(3,) kg, relaxation time over mobility along each axis, if the drag depends on the position
+    and its relaxation is followed; else (0,)
+    """
     foretold: Array
-    """(3 NODES,) Legendre's coefficients of u in the last step"""
+    """(3 NODES,) Legendre coefficients of u in the last step, by axis: the prediction for the next
+    step
+    """
     carried: Array
-    """(4,) length of the last step, s; step that its error would allow, s; quadratic
-    convergence of Newton's method, 1/m, in the last step that showed it; where the next step
-    begins in the last one, 1, or 0 where it
-    was taken in vain"""
+    """(4,): length of the last step, s; length that its error would allow, s; coefficient of
+    quadratic convergence of Newton's method, 1/m, in the last step with two corrections;
+    position of the next step's beginning within the last one, 1 for its end and 0 for its
+    beginning after a rejected step
+    """
 
 
 class Work(NamedTuple):
-    """Workspace. Rows of NODES numbers are flattened: x, y, z for vectors, (i, k) for matrices."""
+    """Workspace of a step.
+
+    A vector at all nodes is flattened to (3 NODES,) with the component i at the node j at NODES i +
+    j; a matrix to (9 NODES,) with the element (i, k) at NODES (3 i + k) + j.
+    """
 
     pose: Pose
+    """times and positions of the bead at the nodes"""
     wrench: Wrench
+    """force and gradients at the nodes"""
     plain: Wrench
+    """force at the nodes without gradients; shares its arrays with `wrench`"""
     place: Array
+    """(3 NODES,) m, positions at the nodes"""
     u: Array
+    """(3 NODES,) m/s, slow velocity at the nodes"""
     residual: Array
+    """(3 NODES,) m, positions that u implies less `place`"""
     correction: Array
+    """(3 NODES,) m, change of `place` in a Newton step"""
     change: Array
+    """(3 NODES,) change of u in a Newton step, m/s; also temporary values"""
     gradient: Array
+    """(9 NODES,) J, derivative of u by the position at each node, 1/s"""
     coefficients: Array
-    """Legendre's, of u"""
+    """(3 NODES,) Legendre coefficients of u, m/s, by axis"""
     M: Array
-    """(3 NODES NODES,) by axis and node"""
+    """matrices (NODES, NODES), s, from u at the nodes to displacements there: for one axis, element
+    (node of u, node of the displacement)
+    """
     first: Array
-    """(3,) where that of an axis begins"""
+    """(3,) index at which the matrix of each axis begins in `M`: equal axes share one"""
     base: Array
-    """(3, NODES) m, the places if u were zero"""
+    """(3, NODES) m, positions at the nodes if u were zero"""
     decay: Array
-    """(modes, NODES) s, what the velocity of a mode still brings"""
+    """(modes, NODES) s, displacement at each node per velocity of the mode at the beginning of the
+    step
+    """
     upper: Array
-    """(3 NODES 3 NODES,)"""
+    """(3 NODES 3 NODES,) upper triangular factor of the transposed 1 - M J"""
     lower: Array
+    """(3 NODES 3 NODES,) the lower triangular factor, with ones on its diagonal"""
     powers: Array
-    """(6, NODES)"""
+    """(6, NODES) coefficients U_m of u along the axes and of the slow angular velocity
+    about them
+    """
     moment: Array
-    """(3 NODES,)"""
+    """(3 NODES,) N m, moments at the nodes"""
     chi: Array
+    """(NODES + 1,) functions chi_m, see `modes`"""
     rows: Array
-    """(NODES NODES,)"""
+    """(NODES NODES,) displacements at the nodes by each polynomial of u; overwritten
+    for each axis
+    """
     there: Pose
-    """one place"""
+    """time and position of one bead, for the drag"""
     mobility: Mobility
-    """at it"""
+    """mobility at this position"""
 
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _room(modes):  # type: ignore[no-untyped-def]
+    """Allocate the workspace of a step for a bead with that many velocity modes per axis."""
     n = NODES
     pose = Pose(np.empty(n), np.empty((n, 3)), np.empty((0, 4)))
     force, moment, error = np.empty((n, 3)), np.empty((n, 3)), np.empty(n)
@@ -214,7 +255,12 @@ def _room(modes):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _relaxation_times(system, how, time, place, work, out):  # type: ignore[no-untyped-def]
-    """Fill out (3,) with those that the drag has at a place, s."""
+    """Fill `out` (3,) with the relaxation times along the axes at a position, s.
+
+    time: s. place: (3,) m. The time is `how.inertia`, kg, times the mobility there:
+    `mobility.value` has the parallel mobility (axes 1 and 2) at 0 and the perpendicular one (axis
+    3) at 1.
+    """
     work.there.time[0] = time
     for i in range(3):
         work.there.position[0, i] = place[i]
@@ -225,9 +271,11 @@ def _relaxation_times(system, how, time, place, work, out):  # type: ignore[no-u
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _freeze(system, how, time, step, y, work):  # type: ignore[no-untyped-def]
-    """Hold the relaxation times for a step: those where the bead is about in the middle of it.
+    """Set the relaxation times for a step to those at the estimated midpoint of the bead's path.
 
-    They are kept in the last three entries of the state, where the dense output reads them.
+    step: its length, s. y: (state,) state at the beginning; the midpoint is estimated by the
+    velocity in it. The times are also kept in the last three entries of y, where the dense output
+    reads them.
     """
     for i in range(3):
         work.powers[0, i] = y[i] + 0.5 * step * y[_MODES + i]
@@ -238,11 +286,12 @@ def _freeze(system, how, time, step, y, work):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _error_of_freezing(system, how, time, step, y, new, work):  # type: ignore[no-untyped-def]
-    """How far the bead may be off as its relaxation times stood still in a step, m.
+    """Return the error of the position, m, due to constant relaxation times in a step.
 
-    The bead follows the slow velocity u late by tau. If u changes by du in a step, an error of tau
-    moves the bead by du times that error. Of tau the midpoint misses the mean of both ends by half
-    of its second difference; a sixth of its change is added for how u and tau change together.
+    y, new: states at the beginning and the end. The bead follows the slow velocity u with the delay
+    tau. If u changes by du in a step, an error of tau displaces the bead by du times this error.
+    The midpoint value of tau differs from the mean of both ends by half of its second difference; a
+    sixth of the change of tau is added because u and tau change together.
     """
     begin, end = work.chi[:3], work.chi[3:6]
     _relaxation_times(system, how, time, y, work, begin)
@@ -259,7 +308,10 @@ def _error_of_freezing(system, how, time, step, y, new, work):  # type: ignore[n
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _alike(modes, i):  # type: ignore[no-untyped-def]
-    """Whether the modes along axis i are those along the axis before."""
+    """Return whether the velocity modes along axis i equal those along axis i - 1.
+
+    Equal axes share their matrix M; False for the first axis.
+    """
     alike = i > 0
     for k in range(modes.times.shape[1]):
         alike &= modes.times[i, k] == modes.times[i - 1, k]
@@ -269,7 +321,14 @@ def _alike(modes, i):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _weigh_long(step, tau, weight, decay, rows):  # type: ignore[no-untyped-def]
-    """The part of a mode in `_weigh`, as `relaxed` upwards, at all nodes at once."""
+    """Add the displacements by one mode at all nodes to `rows`, for a step long against its time
+    tau.
+
+    step, tau: s. weight: share of the mode in the bead's velocity. decay: (NODES,) filled with the
+    displacement at each node per initial velocity of the mode, s. rows: (NODES NODES,) s,
+    displacement at node j per coefficient U_m, at NODES m + j. Same recursion as `modes.relaxed`
+    for long times, computed for all nodes at the same time.
+    """
     for j in range(NODES):
         decay[j] = followed(PLACES[j] * step, tau)
     per, chi = lanes(_PER_PLACE, 0) * (-tau / step), lanes(decay, 0)
@@ -282,7 +341,12 @@ def _weigh_long(step, tau, weight, decay, rows):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _weigh(how, step, y, work):  # type: ignore[no-untyped-def]
-    """Fill M and the base of the step."""
+    """Fill `work.M` and `work.base`: the positions at the nodes are X = base + M u.
+
+    u is the slow velocity at the nodes, y the state at the beginning of the step of that length, s.
+    The displacements by powers of time are found first, then by Legendre polynomials, then by
+    values at nodes.
+    """
     modes = how.modes.times.shape[1]
     chi, rows, M, decay = work.chi, work.rows, work.M, work.decay
     for i in range(3):
@@ -320,7 +384,10 @@ def _weigh(how, step, y, work):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _by_M(work, values, out):  # type: ignore[no-untyped-def]
-    """out = M values."""
+    """Fill `out` with M values: the displacements at the nodes (m) by slow velocities there (m/s).
+
+    values, out: (3 NODES,), and may be the same array.
+    """
     for i in range(3):
         at, first = NODES * i, work.first[i]
         row = lanes(work.M, first) * values[at]
@@ -331,7 +398,10 @@ def _by_M(work, values, out):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _by_gradient(gradient, values, out):  # type: ignore[no-untyped-def]
-    """out = J values."""
+    """Fill `out` with J values: changes of u at the nodes (m/s) by displacements there (m).
+
+    gradient: (9 NODES,) J, 1/s; it couples the axes but not the nodes. values, out: (3 NODES,).
+    """
     for i in range(3):
         row = lanes(gradient, _ALL * i) * lanes(values, 0)
         row = row + lanes(gradient, _ALL * i + NODES) * lanes(values, NODES)
@@ -342,9 +412,10 @@ def _by_gradient(gradient, values, out):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _foretell(how, step, work):  # type: ignore[no-untyped-def]
-    """Places at the nodes if u goes on as the polynomial of the last step.
+    """Predict u and the positions at the nodes by extrapolating the polynomial of the last step.
 
-    Its terms are taken as far as they get smaller up to the end of the step.
+    The Legendre series is cut off where its terms at the end of this step begin to grow. The
+    recursion of the polynomials runs at the nodes (x) and at the end of the step (end) together.
     """
     ratio = step / how.carried[0] if how.carried[0] > 0.0 else 0.0
     x = lanes(PLACES, 0) * (2.0 * ratio) + spread(2.0 * how.carried[3] - 1.0)
@@ -375,7 +446,12 @@ def _foretell(how, step, work):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _stay(how):  # type: ignore[no-untyped-def]
-    """Let the foretold u be that of the begin of the step."""
+    """Replace the predicted u by a constant: the value that it has at the beginning of the step.
+
+    Used for a second attempt where extrapolation led Newton's method astray. The beginning of the
+    step is at the end (+1) or the beginning (-1) of the last polynomial, where Legendre's are 1 or
+    (-1)^k.
+    """
     for i in range(3):
         value, sign = 0.0, 1.0
         for k in range(NODES):
@@ -387,7 +463,12 @@ def _stay(how):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _remember(how, step, origin, work):  # type: ignore[no-untyped-def]
-    """Keep u of a step, for the next one that begins at the end of it, origin 1, or with it, 0."""
+    """Store the polynomial of u in a step, of length `step`, s, as the prediction for the next
+    step.
+
+    origin: where the next step begins, 1 at the end of this one, 0 at its beginning (after a
+    rejection).
+    """
     for at in range(_ALL):
         how.foretold[at] = work.coefficients[at]
     how.carried[0], how.carried[3] = step, origin
@@ -395,7 +476,11 @@ def _remember(how, step, origin, work):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _act(how, force, wrench, time, step, work):  # type: ignore[no-untyped-def]
-    """Fill u, the moments, and the gradients of a `wrench` that has them, at the nodes' places."""
+    """Evaluate the force at the positions of all nodes; fill u and, if needed, the moments and J.
+
+    force: compiled force. wrench: workspace, with gradients if J is wanted. time, step: beginning
+    and length of the step, s. J = response times force gradient, 1/s.
+    """
     place, position, u = work.place, work.pose.position, work.u
     store(work.pose.time, 0, lanes(PLACES, 0) * step + spread(time))
     for j in range(NODES):
@@ -424,9 +509,11 @@ def _act(how, force, wrench, time, step, work):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _kink(how, time, step, work):  # type: ignore[no-untyped-def]
-    """Part of a step at which the bead comes into another region of the force, or 1.
+    """Return the fraction of the step at which the bead enters another region of the force, or 1.
 
-    By the places at the nodes: what happens before the first and after the last is not looked at.
+    The force is smooth only within a region. Regions are compared at the predicted positions of the
+    nodes, so a crossing before the first node or after the last one is not seen. The crossing
+    between two nodes is found by bisection on the polynomial of the positions.
     """
     for j in range(NODES):
         work.pose.time[j] = time + PLACES[j] * step
@@ -465,7 +552,10 @@ def _kink(how, time, step, work):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _by_legendre(values, out):  # type: ignore[no-untyped-def]
-    """Legendre's coefficients of polynomials along the three axes by their values at the nodes."""
+    """Fill `out` with the Legendre coefficients of polynomials along the three axes.
+
+    values: (3 NODES,) values at the nodes. out: (3 NODES,), coefficient k of axis i at NODES i + k.
+    """
     for i in range(3):
         row = lanes(_flat_legendre, 0) * values[NODES * i]
         for node in range(1, NODES):
@@ -475,9 +565,10 @@ def _by_legendre(values, out):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _eliminate(work):  # type: ignore[no-untyped-def]
-    """Triangular factors of the transposed 1 - M J, without exchange of rows.
+    """Factorise the transposed matrix 1 - M J into `work.lower` and `work.upper`, without pivoting.
 
-    A trap's J is negative, and M's eigenvalues have positive real parts: no pivot is small.
+    J, the gradient of u, is negative in a trap, and the eigenvalues of M, from u to displacements,
+    have positive real parts. So no pivot is small.
     """
     upper, lower, M, J = work.upper, work.lower, work.M, work.gradient
     for k in range(3):
@@ -501,7 +592,10 @@ def _eliminate(work):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _by_factors(work):  # type: ignore[no-untyped-def]
-    """Solve for the correction by the factors."""
+    """Solve (1 - M J) correction = residual with the factors of `_eliminate`.
+
+    The factors are of the transposed matrix, so substitution begins with the columns of `upper`.
+    """
     d, left = work.correction, work.change
     for at in range(_ALL):
         left[at] = work.residual[at]
@@ -516,9 +610,11 @@ def _by_factors(work):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _correct(work, close):  # type: ignore[no-untyped-def]
-    """Put d with (1 - M J) d = residual into `correction`; returns whether by elimination.
+    """Solve (1 - M J) d = residual for `work.correction`; return whether elimination was used.
 
-    close: change at which an iteration ends.
+    d: change of the positions at the nodes, m. M: from u to displacements; J: gradient of u. The
+    fixed-point iteration d = residual + M J d is tried first, and ends when d changes by less than
+    `close`, m. Elimination replaces it where it converges slowly.
     """
     d, change, residual = work.correction, work.change, work.residual
     before = np.inf
@@ -544,7 +640,11 @@ def _correct(work, close):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _expand(work):  # type: ignore[no-untyped-def]
-    """Fill Legendre's coefficients of u; returns (h/2 times) how far they are from zero at last."""
+    """Fill the Legendre coefficients of u; return the estimated error of the polynomial, m/s.
+
+    The estimate is the largest of the last two coefficients of each axis, reduced by the ratio at
+    which the coefficients decrease.
+    """
     coefficients = work.coefficients
     _by_legendre(work.u, coefficients)
     last = before = 0.0
@@ -557,7 +657,11 @@ def _expand(work):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _contracting(J):  # type: ignore[no-untyped-def]
-    """Whether neighbouring places come nearer each other everywhere, by Gershgorin's circles."""
+    """Return whether neighbouring paths of the bead approach each other at every node.
+
+    J: (9 NODES,) gradient of u, 1/s. They do if its symmetric part is negative definite, which
+    Gershgorin's circles show: each diagonal element plus the moduli beside it must not be positive.
+    """
     for i in range(3):
         k, l = (i + 1) % 3, (i + 2) % 3
         for j in range(NODES):
@@ -570,7 +674,11 @@ def _contracting(J):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _allowed(how, control, work):  # type: ignore[no-untyped-def]
-    """What the place may be off by in a step, m."""
+    """Return the error of the position that is allowed in a step, m.
+
+    It is the tolerance, reduced in proportion to the speed where errors grow (paths do not approach
+    each other), but at most by `_SLOWEST`, and never below rounding.
+    """
     speed = far = 0.0
     for i in range(3):
         speed += work.coefficients[NODES * i] ** 2
@@ -583,9 +691,14 @@ def _allowed(how, control, work):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _collocate(system, how, control, time, step, adaptive, work, counts):  # type: ignore[no-untyped-def]
-    """Solve for u at the nodes; returns the error over what is allowed, or a factor of the step.
+    """Solve u = u(X) at the nodes by Newton's method; return the error of the step over what is
+    allowed.
 
-    The latter, negative, of a step that Newton's method does not solve.
+    A negative result reports that Newton's method failed: its modulus is the factor by which to
+    shorten the step. time, step: beginning and length of the step, s. adaptive: whether steps are
+    chosen by the tolerances; then a step is given up as soon as its error is seen to be too large.
+    counts: see `explicit.loop`. On entry `work` has M, base and the prediction; on return u and the
+    positions.
     """
     solved = _SOLVED if adaptive else _SOLVED_WELL
     eliminated, size, error, allowed = False, 0.0, 0.0, 0.0
@@ -639,7 +752,7 @@ def _collocate(system, how, control, time, step, adaptive, work, counts):  # typ
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _correct_moments(work):  # type: ignore[no-untyped-def]
-    """Add what the correction of the places changes in the moments."""
+    """Add the change of the moments by the last correction of the positions, to first order."""
     for j in range(NODES):
         for i in range(3):
             for k in range(3):
@@ -649,7 +762,11 @@ def _correct_moments(work):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _powers(coefficients, first, out):  # type: ignore[no-untyped-def]
-    """Fill out (NODES,) with the U_m of Legendre's coefficients from `first` on."""
+    """Fill `out` (NODES,) with the U_m of a polynomial sum_m U_m (s/h)^m/m! on a step of length h.
+
+    coefficients: array of Legendre coefficients, of which this polynomial's begin at the index
+    `first`.
+    """
     for m in range(NODES):
         out[m] = 0.0
         for k in range(m, NODES):
@@ -658,7 +775,13 @@ def _powers(coefficients, first, out):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _to(modes, s, step, y, powers, chi, out):  # type: ignore[no-untyped-def]
-    """Places and velocities of the modes a time s into a step."""
+    """Fill `out` with the position and mode velocities at a time s (s) after the beginning of a
+    step.
+
+    step: length of the step, s. y: state at its beginning. powers: (6, NODES) the U_m of the slow
+    velocity. chi: (NODES + 1,) workspace. out: (state,); the Euler parameters are not computed
+    here.
+    """
     axes, many = modes.times.shape
     for i in range(3):
         out[i] = y[i]
@@ -679,7 +802,12 @@ def _to(modes, s, step, y, powers, chi, out):  # type: ignore[no-untyped-def]
 def _advance(  # type: ignore[no-untyped-def]
     system, how, control, y, clock, counts, records, work, new
 ):
-    """See `loop`. work, new: workspace, and a place for the next state."""
+    """Take steps until the run ends or the records are full; see `loop` for arguments and result.
+
+    work, new: workspace, and an array (state,) for the state at the end of a step. Each round
+    predicts u, shortens the step to a kink of the force, solves for u at the nodes, estimates the
+    error and either stores the step or repeats it with another length.
+    """
     adaptive = by_tolerance(control)
     many = how.modes.times.shape[0]
     turns = many == 6
@@ -759,10 +887,11 @@ def _advance(  # type: ignore[no-untyped-def]
 
 @functools.cache
 def loop() -> Any:
-    """The compiled loop; as `explicit.loop`, with a `Relaxation`.
+    """Return the compiled loop; its arguments and result are those of `explicit.loop`.
 
-    y: x, the velocities of the modes by axis, and e if there is a rotation: the angular velocities
-    are in the inertial frame. The dense output holds the U_m.
+    Instead of a tableau it takes a `Relaxation`. y: position, velocities of the modes by axis, and
+    the Euler parameters if the bead rotates; the angular velocities are in the inertial frame. The
+    dense output of a step, `Records.shape`, contains the coefficients U_m.
     """
 
     def advance(  # type: ignore[no-untyped-def]
@@ -770,7 +899,8 @@ def loop() -> Any:
     ):
         work, new = _room(how.modes.times.shape[1]), np.empty(y.size)
         found = _advance(*borrowed((system, how, control, y, clock, counts, records, work, new)))
-        work.place[0] = new[0]  # the workspace lives until here
+        # `borrowed` drops the reference counts: this use keeps the workspace allocated until here
+        work.place[0] = new[0]
         return found
 
     typed = signature(_RELAXATION)
@@ -779,7 +909,11 @@ def loop() -> Any:
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _spin(how, work):  # type: ignore[no-untyped-def]
-    """Fill the U_m of the slow angular velocity, by the moments at the nodes."""
+    """Fill `work.powers[3:]` with the U_m of the slow angular velocity, from the moments at the
+    nodes.
+
+    The moments in `work.moment` are overwritten by moment times mobility, rad/s.
+    """
     for i in range(3):
         for j in range(NODES):
             work.moment[NODES * i + j] *= how.response[3 + i]
@@ -790,7 +924,11 @@ def _spin(how, work):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _turning_error(control, step, work):  # type: ignore[no-untyped-def]
-    """Of the angle turned, over what is allowed."""
+    """Return the error of the angle turned in a step over the tolerance of the orientation.
+
+    The error is estimated by the last two Legendre coefficients of the slow angular velocity, which
+    `_spin` left in `work.change`.
+    """
     most = 0.0
     for i in range(3):
         end = NODES * (i + 1)
@@ -800,7 +938,12 @@ def _turning_error(control, step, work):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy")
 def sample(times, begin, length, state, shape, modes, allowed, out):  # type: ignore[no-untyped-def]
-    """States as the loop has them at `times`, ascending, from the steps that hold them."""
+    """Fill `out` (n, state) with the states at ascending `times` (n,), s, from recorded steps.
+
+    begin, length, state, shape: the fields of `Records`. modes: relaxation times and weights, whose
+    times are overwritten where the drag depends on the position. allowed: tolerance of the
+    orientation, rad.
+    """
     chi, end = np.empty(NODES + 1), np.empty(4)
     step, parts = 0, 0
     turning = len(modes.times) == 6
@@ -823,10 +966,10 @@ def sample(times, begin, length, state, shape, modes, allowed, out):  # type: ig
 
 
 class Exponential:
-    """The method."""
+    """Exponential collocation at Gauss nodes, as a method of integration."""
 
     def bound(self, equations: Equations) -> Bound:
-        """The method bound to equations of motion whose drag it takes exactly."""
+        """Return the method bound to equations of motion, whose drag it treats exactly."""
         relaxation = equations.relaxation._replace(
             turn=address(turn_over, TURN) if "orientation" in equations.layout else 0,
         )
@@ -867,9 +1010,11 @@ EXPONENTIAL = Exponential()
 
 
 def _begun(equations: Equations, how: Relaxation, y: Array) -> Relaxation:
-    """With the first step: in it the force changes little, and the initial layer is seen, if it is.
+    """Return the relaxation with the first step, and the initial force as its prediction.
 
-    And with the force at the begin as what is foretold. y: the state as the loop has it.
+    In the first step the force changes little and the initial relaxation of the velocity is
+    resolved, where it moves the bead noticeably. y: (state,) initial state in the form that the
+    loop uses.
     """
     at = equations.moving.field(y[None, POSITION], gradient=True, time=equations.begin_time)
     u = how.drift + how.response[TRANSLATION] * at.force[0]
@@ -890,9 +1035,11 @@ def _begun(equations: Equations, how: Relaxation, y: Array) -> Relaxation:
 
 
 def _in_inertial_frame(state: Array, modes: Modes, emitted: Layout) -> Array:
-    """x, the velocities of the modes, omega's in the inertial frame, and e, of an emitted state.
+    """Return the state in the form of the loop, from one in the form of the emitted equations.
 
-    A bead with a velocity was struck to it in fluid at rest.
+    The result contains the position, the velocities of the modes (angular ones in the inertial
+    frame) and the Euler parameters. The initial velocity is divided among the modes as after an
+    impulse on a bead in fluid at rest.
     """
     rates, e = np.zeros(len(modes.times)), np.zeros(0)
     if "orientation" in emitted:
@@ -908,7 +1055,11 @@ def _in_inertial_frame(state: Array, modes: Modes, emitted: Layout) -> Array:
 
 
 def _emitted(y: Array, weights: Array, emitted: Layout) -> Array:
-    """The inverse of `_in_inertial_frame`, (n, state)."""
+    """Return states (n, state) in the form of the emitted equations, from those of the loop.
+
+    The inverse of `_in_inertial_frame`. weights: (axes, modes), which sum the modes to the
+    velocity.
+    """
     rotates = "orientation" in emitted
     if weights.shape[1] == 1 and not rotates:
         return y[:, : emitted.width]  # as it is, or without the velocities of a model without them
@@ -928,7 +1079,7 @@ def _emitted(y: Array, weights: Array, emitted: Layout) -> Array:
 
 
 def _rotation(e: Array) -> Array:
-    """R (A.2)."""
+    """Return the rotation matrix R (3, 3) of the Euler parameters e (4,) (A.2)."""
     matrix = np.empty((3, 3))
     kinematics.rotation_matrix(np.ascontiguousarray(e), matrix)
     return matrix

@@ -55,13 +55,24 @@ for _k in range(NODES):
 
 @named_njit(inner=True, error_model="numpy")
 def followed(s, tau):  # type: ignore[no-untyped-def]
-    """chi_0 of -s/tau: the part of the way to the slow velocity."""
+    """Return chi_0 = 1 - exp(-s/tau), the fraction of a velocity change that is complete.
+
+    A mode of relaxation time `tau`, s, approaches the slow velocity u (force over drag); after a
+    time `s`, s, this fraction of the initial difference is gone. 1 for tau = 0.
+    """
     return 1.0 if s > _GONE * tau else -math.expm1(-s / tau)
 
 
 @named_njit(inner=True, error_model="numpy")
 def relaxed(s, tau, chi):  # type: ignore[no-untyped-def]
-    """Fill `chi` with chi_0 to chi_NODES of -s/tau."""
+    """Fill `chi` (NODES + 1,) with the functions chi_0 to chi_NODES at z = -s/tau.
+
+        chi_m(z) = 1/m! - phi_m(z), with phi_0 = exp and phi_(m+1) = (phi_m - 1/m!)/z
+
+    s: time since the beginning of the step, s. tau: relaxation time of the mode, s. The recursion
+    runs upwards from the exponential for s > LONG tau. For shorter times it would lose digits by
+    cancellation, so the last function is summed as a series and the recursion runs downwards.
+    """
     if s > LONG * tau:
         per = -tau / s
         chi[0] = followed(s, tau)
@@ -81,9 +92,14 @@ def relaxed(s, tau, chi):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def displacement(s, part, tau, weight, v, powers, chi):  # type: ignore[no-untyped-def]
-    """What one mode has moved a time s into a step of which that is the part s/h.
+    """Return the displacement of the bead by one velocity mode since the beginning of the step, m
+    or rad.
 
-    powers: (NODES,) the U_m. chi: of -s/tau.
+    The mode v' = (u - v)/tau follows the slow velocity u (force over drag), in a step of length h
+    the polynomial u = sum_m U_m (s/h)^m/m!. s: time since the beginning, s. part: s/h. tau:
+    relaxation time of the mode, s. weight: its share of the bead's velocity. v: its velocity at the
+    beginning, m/s or rad/s. powers: (NODES,) the U_m. chi: (NODES + 1,) from `relaxed(s, tau,
+    chi)`.
     """
     total, power = 0.0, 1.0
     for m in range(NODES):
@@ -94,7 +110,12 @@ def displacement(s, part, tau, weight, v, powers, chi):  # type: ignore[no-untyp
 
 @named_njit(inner=True, error_model="numpy")
 def velocity(part, v, powers, chi):  # type: ignore[no-untyped-def]
-    """The velocity of a mode; as `displacement`."""
+    """Return the velocity of one mode within a step, m/s or rad/s, without its weight.
+
+    The mode v' = (u - v)/tau follows the slow velocity u = sum_m U_m (s/h)^m/m! in a step of length
+    h. part: s/h, for the time s since the beginning. v: velocity at the beginning. powers: (NODES,)
+    the U_m. chi: (NODES + 1,) from `relaxed(s, tau, chi)`.
+    """
     total, power = 0.0, 1.0
     for m in range(NODES):
         total += powers[m] * power * chi[m]

@@ -42,72 +42,96 @@ DERIVATIVES = types.void(*_inputs, _matrix, _vector, _matrix)
 
 
 class System(NamedTuple):
-    """What moves the bead, for a loop."""
+    """Force, drag and equations of motion of the bead, as a compiled loop receives them."""
 
     force: Part
+    """compiled force with its data"""
     drag: Part
+    """compiled mobility of the bead with its data"""
     uniform: bool
-    """whether the drag is the same everywhere: it is then evaluated once"""
+    """whether the drag is independent of the position: it is then evaluated once"""
     rates: int
-    """address of the emitted `rates`; 0 for a loop that does not call them"""
+    """address of the emitted function `rates` (signature `RATES`); 0 for a loop that does not call
+    it
+    """
     derivatives: int
-    """address of the emitted `derivatives`; 0 likewise"""
+    """address of the emitted function `derivatives` (signature `DERIVATIVES`); 0 for a loop that
+    does not call it
+    """
     params: Array
-    """of the emitted module"""
+    """(parameters,) constants of the emitted module, e.g. mass and moment of inertia, in its order
+    """
     orientation: int
-    """where e stands in the state that the force is asked at; -1 if it does not"""
+    """index of the first Euler parameter e in the state, if the force depends on the orientation;
+    else -1
+    """
 
 
 class Control(NamedTuple):
-    """How a loop steps."""
+    """Tolerances, prescribed steps and limits by which a compiled loop chooses its steps."""
 
     relative: float
+    """relative tolerance of the state in a step"""
     absolute: Array
-    """(state,)"""
+    """(state,) absolute tolerance of each component of the state, in its unit"""
     fixed: float
-    """s, the step; 0 for steps by the tolerances"""
+    """length of all steps, s; 0 for steps chosen by the tolerances"""
     prescribed: Array
-    """(n,) s, all steps of the run, instead of both; or (0,)"""
+    """(n,) lengths of all steps of the run, s, which take precedence over the others; (0,) for none
+    """
     end: float
-    """s"""
+    """time at which the run ends, s"""
     most_calls: int
-    """of the force, in the whole run"""
+    """largest number of evaluations of the force in the whole run"""
     orientation: int
-    """where e stands in the state; -1 if it does not"""
+    """index of the first Euler parameter e in the state; -1 without a rotation"""
     euler_rates: int
-    """where e' stands; -1 if it does not"""
+    """index of the first time derivative of e in the state; -1 if it is not part of the state"""
 
 
 class Records(NamedTuple):
-    """Steps taken, to be read by `sample`."""
+    """Completed steps of a loop with their dense output, from which `sample` computes states."""
 
     begin: Array
-    """(n,) s"""
+    """(n,) time at the beginning of each step, s"""
     length: Array
-    """(n,) s"""
+    """(n,) length of each step, s"""
     state: Array
-    """(n, state) at the begin"""
+    """(n, state) state at the beginning of each step"""
     shape: Array
-    """(n, ...) of the dense output, see `Bound.shape`"""
+    """(n, ...) coefficients of the dense output of each step, of the shape `Bound.shape`"""
 
 
 class At(NamedTuple):
-    """Workspace for the force on one bead: arrays of length 1, and the element of each."""
+    """Workspace for the force on one bead.
+
+    `pose`, `wrench` and `resisted` are arrays for many beads of which the length is 1, as the
+    compiled forces and drags expect. The other fields are views of their only element.
+    """
 
     pose: Pose
+    """time, position and orientation of the bead"""
     wrench: Wrench
+    """force (N), moment (N m) and their gradients"""
     resisted: Mobility
+    """mobility and its gradient"""
     force: Array
+    """(3,) N"""
     moment: Array
+    """(3,) N m"""
     force_gradient: Array
+    """(3, 3) derivative of force i by coordinate k, N/m"""
     moment_gradient: Array
+    """(3, 3) derivative of moment i by coordinate k, N"""
     mobility: Array
+    """(5,) the components of `Mobility.value`"""
     mobility_gradient: Array
+    """(5, 3) their derivatives by the coordinates"""
 
 
 @named_njit(inner=True, error_model="numpy")
 def scratch(system):  # type: ignore[no-untyped-def]
-    """Workspace, with the mobility of a uniform drag."""
+    """Allocate the workspace `At` of a loop, with the mobility if it is the same everywhere."""
     turned = 1 if system.orientation >= 0 else 0
     pose = Pose(np.zeros(1), np.zeros((1, 3)), np.zeros((turned, 4)))
     wrench = Wrench(
@@ -124,7 +148,11 @@ def scratch(system):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def act(system, at, time, y):  # type: ignore[no-untyped-def]
-    """Fill `at` with force and mobility, at a time and at the pose in a state."""
+    """Evaluate force, moment and mobility in a state and store them in the workspace `at`.
+
+    system: `System`. time: s. y: (state,) with the position, m, first; if the force depends on the
+    orientation, the Euler parameters begin at `system.orientation` and are normalised before use.
+    """
     if system.orientation >= 0:
         e = y[system.orientation : system.orientation + EULER]
         size = math.sqrt(e[0] ** 2 + e[1] ** 2 + e[2] ** 2 + e[3] ** 2)
@@ -141,7 +169,12 @@ def act(system, at, time, y):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def rate_of_change(system, at, time, y, out):  # type: ignore[no-untyped-def]
-    """Fill `out` with the rate of change of the state y."""
+    """Fill `out` (state,) with the time derivative of the state `y`.
+
+    The force and the mobility at this time (s) and state are evaluated first, into the workspace
+    `at` from `scratch`. The emitted equations of motion, `system.rates`, turn them into the
+    derivative.
+    """
     act(system, at, time, y)
     call(
         system.rates,
@@ -154,7 +187,11 @@ def rate_of_change(system, at, time, y, out):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def all_finite(values):  # type: ignore[no-untyped-def]
-    """Whether all of a contiguous array are finite: without a copy."""
+    """Return whether all elements of a contiguous array are finite, without allocating a temporary.
+
+    0 times a number is 0 if it is finite and NaN otherwise, so that the sum of these is 0 only if
+    all are.
+    """
     total = 0.0
     for value in values.flat:
         total += 0.0 * value
@@ -163,7 +200,13 @@ def all_finite(values):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def put_on_constraints(y, orientation, euler_rates):  # type: ignore[no-untyped-def]
-    """|e| = 1 (A.21) and e.e' = 0 (A.22), instead of (A.26): they turn nothing."""
+    """Restore |e| = 1 (A.21) and e.e' = 0 (A.22) of the Euler parameters in the state `y`, in
+    place.
+
+    orientation, euler_rates: index of the first component of e and of its time derivative e' in y;
+    the latter is -1 if y does not contain e'. This replaces the stabilising terms of (A.26), and
+    does not rotate the bead: it changes e and e' only along e.
+    """
     squared = 0.0
     for i in range(4):
         squared += y[orientation + i] ** 2
@@ -179,15 +222,17 @@ def put_on_constraints(y, orientation, euler_rates):  # type: ignore[no-untyped-
 
 @named_njit(inner=True, error_model="numpy")
 def by_tolerance(control):  # type: ignore[no-untyped-def]
-    """Whether steps are by the tolerances."""
+    """Return whether the loop chooses its steps by the tolerances: none are fixed or prescribed."""
     return control.fixed == 0.0 and control.prescribed.size == 0
 
 
 @named_njit(inner=True, error_model="numpy")
 def step_to_try(control, clock, counts, room):  # type: ignore[no-untyped-def]
-    """The next step, whether it is the last one, and why there is none or `GOING_ON`.
+    """Return the next step (s), whether it is the last of the run, and a status.
 
-    clock, counts: as `explicit.loop` has them. room: for how many records there is.
+    The status is `GOING_ON` if the step can be taken, and otherwise the reason to stop: `REACHED`,
+    `FULL`, `COLLAPSED` or `EXHAUSTED`. clock, counts: see `explicit.loop`. room: number of records
+    that still fit.
     """
     time, step = clock[0], clock[1]
     left = control.end - time
@@ -213,10 +258,13 @@ def step_to_try(control, clock, counts, room):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def next_step(step, error, before, order, growth, rejected):  # type: ignore[no-untyped-def]
-    """The step after one of that error, in tolerances: PI control.
+    """Return the length of the next step, s, by proportional-integral (PI) control of the error.
 
-    before: the error of the last accepted step. order: power of the step that the error goes by.
-    Gustafsson, ACM Trans. Math. Softw. 17:533 (1991), with the exponents of Hairer and Wanner.
+    step: length of the last attempt, s. error: its error over the tolerance; above 1 the step is
+    rejected. before: error of the last accepted step, likewise. order: power of the step with which
+    the error scales. growth: largest factor between steps. rejected: whether an attempt was just
+    rejected, after which the step does not grow. Gustafsson, ACM Trans. Math. Softw. 17:533 (1991),
+    with the exponents of Hairer and Wanner.
     """
     if error == np.inf:
         return 0.1 * step
@@ -228,19 +276,22 @@ def next_step(step, error, before, order, growth, rejected):  # type: ignore[no-
 
 
 class Equations(Protocol):
-    """What methods read of equations of motion, `tweezer.dynamics.models.EquationsOfMotion`."""
+    """Properties of the equations of motion, `tweezer.dynamics.models.EquationsOfMotion`, that
+    methods read.
+    """
 
     layout: Layout
-    """of its states"""
+    """names and indices of the components of a state"""
     initial_state: Array
+    """(state,) state at the release of the bead"""
     begin: Begin | None
-    """what the motion goes on from; None for one from the release"""
+    """state from which an earlier run is continued; None for a run from the release"""
     absolute_tolerance: Array
-    """(state,)"""
+    """(state,) absolute tolerance of each component of a state, in its unit"""
 
     @property
     def begin_time(self) -> float:
-        """s since the release, from when on the motion is followed."""
+        """Time since the release at which the integration begins, s."""
 
     @property
     def moving(self) -> Force:
@@ -248,40 +299,45 @@ class Equations(Protocol):
 
     @property
     def name(self) -> str:
-        """Of the model."""
+        """Name of the model of motion."""
 
     @property
     def relaxation(self) -> Any:
-        """The `exponential.Relaxation`."""
+        """Modes of the velocity and their drag, an `exponential.Relaxation`."""
 
 
 class Bound(NamedTuple):
-    """A method bound to equations of motion."""
+    """Method of integration bound to equations of motion."""
 
     loop: Any
-    """compiled, see `explicit.loop`"""
+    """compiled function that takes the steps, see `explicit.loop`"""
     how: Any
-    """what the method is given by"""
+    """data of the method that the loop receives, a `Tableau` or a `Relaxation`"""
     start: Array
-    """(state,) as the loop has it"""
+    """(state,) initial state in the form that the loop uses"""
     shape: tuple[int, ...]
-    """of the dense output of a step"""
+    """shape of the dense output of one step"""
     states: Callable[[Records, Array], Array]
     """states of the emitted module, (n, state), at ascending times within records"""
     gradient: bool = False
     """whether the loop takes the gradients of the force, whatever the emitted module takes"""
     calls: int = 0
-    """places at which the force was evaluated"""
+    """number of positions at which the force was evaluated while binding"""
     force: Part | None = None
-    """what the loop takes as the force; None: that of the equations"""
+    """force that the loop evaluates; None for the force of the equations"""
     rates: bool = True
-    """whether the loop calls the emitted rates"""
+    """whether the loop calls the emitted function `rates`"""
     inner: Callable[[Records, Array], Array] | None = None
-    """as `states`, of states as the loop has them; None where these are the same"""
+    """as `states`, but returns the states in the form that the loop uses; None if both forms are
+    the same
+    """
 
 
 def signature(method: types.Type) -> Any:
-    """Of a loop; method: the type of what the loop's method is given by."""
+    """Return the Numba signature shared by all loops; `method` is the type of `Bound.how`.
+
+    The loop returns the number of records written and the status with which it stopped.
+    """
     return types.Tuple((types.int64, types.int64))(
         SYSTEM,
         method,

@@ -32,9 +32,11 @@ TURN = types.void(
 
 @named_njit(inner=True, error_model="numpy")
 def turn(w1, w2, w3, e, out):  # type: ignore[no-untyped-def]
-    """out = exp(w/2) e, (4,): an orientation turned by an angle about inertial axes (A.2).
+    """Rotate the orientation e by a rotation vector w and store it in `out`: out = exp(w/2) e
+    (A.2).
 
-    out may be `e`.
+    w1, w2, w3: components of w in the inertial frame, rad; its direction is the axis, its length
+    the angle. e, out: (4,) Euler parameters; both may be the same array.
     """
     size = math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
     c = math.cos(0.5 * size)
@@ -53,6 +55,7 @@ def turn(w1, w2, w3, e, out):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _cross(a, b, out):  # type: ignore[no-untyped-def]
+    """Fill `out` (3,) with the vector product a x b."""
     out[0] = a[1] * b[2] - a[2] * b[1]
     out[1] = a[2] * b[0] - a[0] * b[2]
     out[2] = a[0] * b[1] - a[1] * b[0]
@@ -60,7 +63,15 @@ def _cross(a, b, out):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _angular(modes, s, step, v, powers, chi, out):  # type: ignore[no-untyped-def]
-    """Angle turned, out[0], and angular velocity, out[1], a time s into a step."""
+    """Fill `out` (2, 3) with the angle turned since the beginning of a step and the angular
+    velocity.
+
+    out[0]: integral of the angular velocity over the time s, rad. out[1]: angular velocity at s,
+    rad/s; both in the inertial frame. s, step: time since the beginning and length of the step, s.
+    v: (6 modes,) velocities of the modes at the beginning, by axis (three of translation, three of
+    rotation). powers: (6, NODES) the U_m of the slow velocity along these axes, see the module
+    `modes`. chi: (NODES + 1,) workspace.
+    """
     many = modes.times.shape[1]
     for i in range(3):
         out[0, i] = out[1, i] = 0.0
@@ -76,11 +87,14 @@ def _angular(modes, s, step, v, powers, chi, out):  # type: ignore[no-untyped-de
 
 @named_njit(inner=True, error_model="numpy")
 def turned(modes, upto, parts, step, v, powers, e, out):  # type: ignore[no-untyped-def]
-    """Put the orientation a time `upto` into a step into `out` (4,).
+    """Fill `out` (4,) with the orientation at a time `upto`, s, within a step; return the error
+    estimate.
 
-    v: velocities of the modes at the begin of the step, powers: (6, NODES) their polynomials'
-    coefficients. parts: number into which the step is divided. Returns the angle by which the
-    terms of order 6 differ from those of order 4.
+    modes: relaxation times and weights of the velocity modes, (6, modes). parts: number of equal
+    parts into which the step of length `step`, s, is divided. v: (6 modes,) velocities of the modes
+    at the beginning. powers: (6, NODES) polynomial coefficients U_m of the slow velocities. e: (4,)
+    orientation at the beginning. The error estimate is the angle, rad, by which the terms of order
+    6 of Magnus' expansion change those of order 4.
     """
     chi = np.empty(NODES + 1)
     at = np.zeros((5, 2, 3))  # at the begin, at the nodes, and at the end of a part
@@ -124,9 +138,11 @@ def turned(modes, upto, parts, step, v, powers, e, out):  # type: ignore[no-unty
 
 @named_njit(inner=True, error_model="numpy")
 def parts_of(modes, step, v, powers, e, allowed, out):  # type: ignore[no-untyped-def]
-    """Number of parts into which a step is divided so that the angle is off by no more.
+    """Return the smallest number of parts of a step, a power of two, that meets an angular
+    tolerance.
 
-    out: (4,) the orientation at its end.
+    allowed: tolerance of the angle, rad. out: (4,) filled with the orientation at the end of the
+    step. The other arguments are those of `turned`.
     """
     parts = 1
     while turned(modes, step, parts, step, v, powers, e, out) > allowed and parts < _MOST_PARTS:
@@ -136,5 +152,10 @@ def parts_of(modes, step, v, powers, e, allowed, out):  # type: ignore[no-untype
 
 @cached_njit(error_model="numpy", nogil=True)
 def turn_over(modes, step, v, powers, e, allowed, out):  # type: ignore[no-untyped-def]
-    """`parts_of`, called by its address: a scene without a rotation does not compile it."""
+    """Fill `out` (4,) with the orientation at the end of a step, by as many parts as `allowed`
+    requires.
+
+    The arguments are those of `parts_of`. A loop calls this function by its address, so that the
+    rotation is not compiled for a scene without one.
+    """
     parts_of(modes, step, v, powers, e, allowed, out)
