@@ -41,7 +41,7 @@ class Sum(Force):
 
     @property
     def parts(self) -> tuple[Force, ...]:
-        """See `Force.parts`."""
+        """Forces that this force is made of; see `Force.parts`."""
         return self.forces
 
     def field(
@@ -52,7 +52,7 @@ class Sum(Force):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """See `Force.field`; the sum of the fields of the parts."""
+        """Return force and moment at `positions`, the sum over the parts; see `Force.field`."""
         wrench = no_wrench(len(positions), gradient=gradient)
         for each in self.forces:
             there = each.field(positions, gradient=gradient, time=time, orientations=orientations)
@@ -62,29 +62,29 @@ class Sum(Force):
 
     @property
     def oriented(self) -> bool:
-        """See `Force.oriented`."""
+        """Whether the force depends on the orientation or turns the bead; see `Force.oriented`."""
         return any(each.oriented for each in self.forces)
 
     def kinks(self, end: float) -> Array:
-        """See `Force.kinks`."""
+        """Return the times in (0, end) at which the force jumps or bends, s; see `Force.kinks`."""
         return np.unique(np.concatenate([np.zeros(0), *(each.kinks(end) for each in self.forces)]))
 
     def shortest_time(self, end: float) -> float:
-        """See `Force.shortest_time`."""
+        """Return the shortest time scale of changes, s; see `Force.shortest_time`."""
         return _shortest(each.shortest_time(end) for each in self.forces)
 
     @property
     def steady(self) -> bool:
-        """See `Force.steady`."""
+        """Whether the force is constant in time; see `Force.steady`."""
         return all(each.steady for each in self.forces)
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
-        """See `Force.compiled`."""
+        """Return the kernel of this force and its data; see `Force.compiled`."""
         parts = [bound(each, gradient=gradient) for each in self.forces]
         return _add_all, packed(float(len(parts)), *parts)
 
     def regions(self) -> tuple[Kernel, Data] | None:
-        """See `Force.regions`."""
+        """Return a kernel that numbers the regions in which the force is smooth, and its data."""
         flat: list[Force] = []
         for each in self.forces:  # the digits of a sum within it are digits of its own
             flat += each.forces if isinstance(each, Sum) else (each,)
@@ -298,7 +298,7 @@ class Moved(Force):
 
     @property
     def parts(self) -> tuple[Force, ...]:
-        """See `Force.parts`."""
+        """Forces that this force is made of; see `Force.parts`."""
         return (self.force,)
 
     def within(self, positions: Array, time: float) -> Array:
@@ -307,34 +307,34 @@ class Moved(Force):
         return turn * (positions - self.place.at(time))
 
     def shortest_time(self, end: float) -> float:
-        """See `Force.shortest_time`."""
+        """Return the shortest time scale of changes, s; see `Force.shortest_time`."""
         parts = self.place, self.strength, self.force
         return _shortest(each.shortest_time(end) for each in parts)
 
     @property
     def oriented(self) -> bool:
-        """See `Force.oriented`."""
+        """Whether the force depends on the orientation or turns the bead; see `Force.oriented`."""
         return self.force.oriented
 
     @property
     def steady(self) -> bool:
-        """See `Force.steady`."""
+        """Whether the force is constant in time; see `Force.steady`."""
         return self.place.steady and self.strength.steady and self.force.steady
 
     def kinks(self, end: float) -> Array:
-        """See `Force.kinks`."""
+        """Return the times in (0, end) at which the force jumps or bends, s; see `Force.kinks`."""
         parts = self.place, self.strength, self.force
         return np.unique(np.concatenate([each.kinks(end) for each in parts]))
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
-        """See `Force.compiled`."""
+        """Return the kernel of this force and its data; see `Force.compiled`."""
         return _add_moved, packed(
             bound(self.force, gradient=gradient), float(self.down), *self.place._entries(),
             *self.strength._entries(),
         )  # fmt: skip
 
     def regions(self) -> tuple[Kernel, Data] | None:
-        """See `Force.regions`."""
+        """Return a kernel that numbers the regions in which the force is smooth, and its data."""
         within = numbered(self.force)
         if within is None:
             return None
@@ -411,25 +411,25 @@ class Differenced(Force):
 
     @property
     def parts(self) -> tuple[Force, ...]:
-        """See `Force.parts`."""
+        """Forces that this force is made of; see `Force.parts`."""
         return (self.force,)
 
     @property
     def oriented(self) -> bool:
-        """See `Force.oriented`."""
+        """Whether the force depends on the orientation or turns the bead; see `Force.oriented`."""
         return self.force.oriented
 
     @property
     def steady(self) -> bool:
-        """See `Force.steady`."""
+        """Whether the force is constant in time; see `Force.steady`."""
         return self.force.steady
 
     def kinks(self, end: float) -> Array:
-        """See `Force.kinks`."""
+        """Return the times in (0, end) at which the force jumps or bends, s; see `Force.kinks`."""
         return self.force.kinks(end)
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
-        """See `Force.compiled`."""
+        """Return the kernel of this force and its data; see `Force.compiled`."""
         if not gradient:
             return self.force.compiled(gradient=False)
         return _add_differences, packed(bound(self.force, gradient=False), self.step)

@@ -90,12 +90,12 @@ class UserForce(Force):
 
     @property
     def oriented(self) -> bool:
-        """See `Force.oriented`."""
+        """Whether the force depends on the orientation or turns the bead; see `Force.oriented`."""
         return self.turns
 
     @property
     def steady(self) -> bool:
-        """See `Force.steady`."""
+        """Whether the force is constant in time; see `Force.steady`."""
         return not self.by_time
 
     def __post_init__(self) -> None:
@@ -132,7 +132,7 @@ class UserForce(Force):
         return np.zeros(_OF_MET)
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
-        """See `Force.compiled`."""
+        """Return the kernel of this force and its data; see `Force.compiled`."""
         if gradient and not self.gradient:
             return Differenced(self, self.step).compiled(gradient=True)
         try:

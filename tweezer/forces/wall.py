@@ -44,7 +44,7 @@ class Dlvo(Force):
     """A_H, J"""
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:  # noqa: ARG002
-        """See `Force.compiled`."""
+        """Return the kernel of this force and its data; see `Force.compiled`."""
         return _add_dlvo, packed(
             self.radius, self.position, self.normal, self.strength / self.debye_length,
             1 / self.debye_length, self.hamaker_constant * self.radius / 6,
@@ -94,7 +94,7 @@ class Contact(Force):
     """F_0, N: about 1000 times the largest force towards the wall"""
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:  # noqa: ARG002
-        """See `Force.compiled`."""
+        """Return the kernel of this force and its data; see `Force.compiled`."""
         return _add_contact, packed(self.radius, self.position, self.normal, self.largest)
 
 

@@ -72,7 +72,7 @@ class Light(ABC):
         return dataclasses.replace(self, radius=radius)
 
     def regions(self) -> tuple[Kernel, Data] | None:
-        """See `Force.regions`."""
+        """Return None: the force is smooth everywhere; see `Force.regions`."""
         return None
 
 
@@ -102,20 +102,23 @@ class LightForce(Force):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """See `Force.field`. The bound kernel is kept: to look it up takes as long as the force."""
+        """Return force and moment at `positions`; see `Force.field`.
+
+        The bound kernel is kept: to look it up takes as long as the force.
+        """
         if gradient not in self._parts:
             self._parts[gradient] = bound(self, gradient=gradient)
         return evaluated(self._parts[gradient], positions, gradient, time, orientations)
 
     @property
     def search(self) -> Search:
-        """See `Light.search`. For a force that is not smooth, only the vicinity of the focus."""
+        """Lengths by which the force is searched; near the focus alone if it is not smooth."""
         search = self.light.search
         return search if self.smooth else search._replace(reach=search.near)
 
     @property
     def box(self) -> Box:
-        """See `Light.box`."""
+        """Box in which rings and positions off the axis are searched; see `Light.box`."""
         return self.light.box
 
     @property
@@ -129,7 +132,7 @@ class LightForce(Force):
         return {}
 
     def regions(self) -> tuple[Kernel, Data] | None:
-        """See `Force.regions`."""
+        """Return a kernel that numbers the regions in which the force is smooth, and its data."""
         return self.light.regions()
 
     def absorbed_power(self, positions: Array) -> Array:
@@ -141,7 +144,7 @@ class LightForce(Force):
         return self
 
     def error_of(self, positions: Array, field: Wrench, time: float | Array = 0.0) -> Array:
-        """See `Force.error_of`: the estimate, or the difference from `certain` without one."""
+        """Return the error of the force, (n,) N: its estimate, or the difference from `certain`."""
         return error_by(self.certain(), positions, field, time)
 
     def allowed_error(self, force: Array) -> Array:

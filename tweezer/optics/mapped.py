@@ -37,7 +37,10 @@ class Mapped(LightForce):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """See `Force.field`. The quadrature is compiled only if a position is out of range."""
+        """Return force and moment at `positions`; see `Force.field`.
+
+        The quadrature is compiled only if a position is out of the table's range.
+        """
         if gradient not in self._parts:
             kernel = address(self.made.kernel(gradient=gradient), KERNEL)
             self._parts[gradient] = Part(kernel, self._data(unreached()))
@@ -51,11 +54,11 @@ class Mapped(LightForce):
         return wrench
 
     def absorbed_power(self, positions: Array) -> Array:
-        """See `LightForce.absorbed_power`. It is not tabled."""
+        """Return the power that the bead absorbs, (n,) W, by quadrature: it is not tabled."""
         return self.outside.absorbed_power(positions)
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
-        """See `Force.compiled`."""
+        """Return the kernel of this force and its data; see `Force.compiled`."""
         data = self._with_gradient if gradient else self._without_gradient
         return self.made.kernel(gradient=gradient), data
 

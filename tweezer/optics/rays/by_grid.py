@@ -31,7 +31,7 @@ class ByGrid(LightForce):
     symmetric = False
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
-        """See `Force.compiled`."""
+        """Return the kernel of this force and its data; see `Force.compiled`."""
         return grid_kernel(self.light.rays(gradient=gradient)), self._data
 
     @functools.cached_property
@@ -39,7 +39,7 @@ class ByGrid(LightForce):
         return grid_data(self.tiles, self.light.sphere, self.light.jones)
 
     def certain(self) -> ByQuadrature:
-        """See `LightForce.certain`."""
+        """Return the force of the same light by quadrature, which estimates its error."""
         return self._integral
 
     @functools.cached_property

@@ -37,7 +37,7 @@ class ByMap(Mapped):
     """Force of rays read from a map, which in radii of the bead is the same for every radius."""
 
     def of_radius(self, radius: float) -> Self:
-        """See `LightForce.of_radius`."""
+        """Return the force of the same light on a bead of another radius, m."""
         scaled = self.light.of_radius(radius)
         outside = self.outside.of_radius(radius)
         return dataclasses.replace(self, light=scaled, unit=radius, outside=outside)

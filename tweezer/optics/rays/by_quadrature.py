@@ -36,7 +36,7 @@ class ByQuadrature(LightForce):
     scales = True
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
-        """See `Force.compiled`."""
+        """Return the kernel of this force and its data; see `Force.compiled`."""
         return quadrature_kernel(self.light.rays(gradient=gradient)), self._data
 
     @functools.cached_property
@@ -44,7 +44,7 @@ class ByQuadrature(LightForce):
         return quadrature_data(self.rule, self.light.sphere, self.light.jones)
 
     def allowed_error(self, force: Array) -> Array:
-        """See `LightForce.allowed_error`."""
+        """Return the largest error within the tolerance, (n,) N; force: (n, 3) N."""
         strength = self.light.strength
         size = np.maximum(np.linalg.norm(force, axis=1), VANISHING * strength)
         return MISSED * self.rule.tolerance * size + ROUNDING * strength

@@ -46,12 +46,12 @@ class RayLight(Light):
 
     @property
     def symmetric(self) -> bool:
-        """See `Light.symmetric`."""
+        """Whether the light is the same all around its axis; see `Light.symmetric`."""
         return self.polarisation != "linear"
 
     @property
     def search(self) -> Search:
-        """See `Light.search`. The force changes over radii, and its sum over a grid jumps."""
+        """Lengths by which the force is searched: it changes over radii; a sum on a grid jumps."""
         spacing = _SPACING * self.radius
         near = _NEAR * self.radius
         return Search(near, spacing, beside=spacing, reach=self.reach(0.0, near))
@@ -63,7 +63,7 @@ class RayLight(Light):
         return Box(_ASIDE * r, r, _AHEAD * r, math.tan(self.cone.half_angle))
 
     def regions(self) -> tuple[Kernel, Data]:
-        """See `Force.regions`."""
+        """Return a kernel that numbers the regions in which the force is smooth, and its data."""
         from tweezer.optics.rays.regions import number_of_region
 
         return number_of_region, packed(self.radius, self.cone.half_angle)

@@ -501,10 +501,9 @@ def tails(rule, rules, k, rays, linear, gradient):  # type: ignore[no-untyped-de
     """Return the largest of the last coefficients of rule k, along its nodes and in azimuth, N.
 
     The force of its rays, in the row FORCE of the workspace `rays`, is expanded in the cosine x of
-    the angle to the pole in Legendre polynomials and in the
-    azimuth in these or in cosines; small last coefficients show that the nodes suffice. linear:
-    whether the light is linearly polarised. gradient: whether gradients are summed. For rings
-    gathered into a few rays the second one is 0.
+    the angle to the pole in Legendre polynomials and in the azimuth in these or in cosines; small
+    last coefficients show that the nodes suffice. linear: whether the light is linearly polarised.
+    gradient: whether gradients are summed. For rings gathered into a few rays the second one is 0.
     """
     level, m = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
     n = LEVELS[level]

@@ -44,7 +44,7 @@ class WavesByMap(Mapped):
     """of the map, as a part of the largest force"""
 
     def of_radius(self, radius: float) -> LightForce:
-        """See `LightForce.of_radius`. The other map is made, and not stored."""
+        """Return the force of this light on a bead of another radius, m; its map is not stored."""
         if radius == self.light.radius:
             return self
         scaled = self.light.of_radius(radius)

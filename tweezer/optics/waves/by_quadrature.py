@@ -50,13 +50,16 @@ class WavesByQuadrature(LightForce):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """See `Force.field`. Positions beyond the reach are computed with more nodes."""
+        """Return force and moment at `positions`; see `Force.field`.
+
+        Positions beyond the reach are computed with more nodes.
+        """
         if (there := self._reaching(positions)) is not self:
             return there.field(positions, gradient=gradient)
         return super().field(positions, gradient=gradient, time=time, orientations=orientations)
 
     def absorbed_power(self, positions: Array) -> Array:
-        """See `LightForce.absorbed_power`."""
+        """Return the power of the light that the bead absorbs at `positions` (n, 3) m, (n,) W."""
         if not self.light.absorbs:
             return super().absorbed_power(positions)
         there = self._reaching(positions)
@@ -80,7 +83,7 @@ class WavesByQuadrature(LightForce):
         return dataclasses.replace(self, reach=2 * self.reach, alike=alike)
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:  # noqa: ARG002
-        """See `Force.compiled`."""
+        """Return the kernel of this force and its data; see `Force.compiled`."""
         return waves_kernel(moment=self.light.absorbs), self.sums.data
 
     @functools.cached_property
@@ -91,12 +94,12 @@ class WavesByQuadrature(LightForce):
         return sums(self.light, self.tolerance, self.reach)
 
     def allowed_error(self, force: Array) -> Array:
-        """See `LightForce.allowed_error`."""
+        """Return the largest error within the tolerance, (n,) N; force: (n, 3) N."""
         size = np.linalg.norm(force, axis=1)
         return _MISSED * (self.tolerance * size + self.sums.allowed * self.light.strength)
 
     def of_radius(self, radius: float) -> WavesByQuadrature:
-        """See `LightForce.of_radius`."""
+        """Return the force of the same light on a bead of another radius, m."""
         return WavesByQuadrature(self.light.of_radius(radius), self.tolerance, self.reach)
 
 

@@ -113,8 +113,8 @@ def force_sum(light, weights, found):  # type: ignore[no-untyped-def]
     """Add the force that one component of the light exerts to found[0:3], in 4 pi^2 n_m P/c.
 
     n_m is the refractive index of the medium, P the power. light: the component's `Waves`. weights:
-    `Weights`. The sum goes over the orders m, and for each over eight
-    degrees n at a time: `waves.force_summand` couples (m, n) with its neighbours.
+    `Weights`. The sum goes over the orders m, and for each over eight degrees n at a time:
+    `waves.force_summand` couples (m, n) with its neighbours.
     """
     P, partner, imaginary = light.own, light.partner, light.imaginary
     table, sphere, stride, size = weights

@@ -104,8 +104,8 @@ class Lattice:
     width: Array
     """(2,) of a piece along rho and z"""
     pieces: Array
-    """coefficients of the functions of `_functions`: (pieces along z, pieces
-    along rho, functions, ORDER powers of z, ORDER powers of rho)"""
+    """coefficients of the functions of `_functions`: (pieces along z, pieces along rho, functions,
+    ORDER powers of z, ORDER powers of rho)"""
     moment: bool
     """whether the moment is tabled, after the force"""
     certified: float
@@ -236,11 +236,10 @@ def _sampled(
 def _functions(vectors: Array, rho: Array, azimuths: Array) -> Array:
     """Return the functions of (rho, z) that describe a field of vectors, (functions, along z, rho).
 
-    They are f, h, g, then the real and imaginary parts of U, V, W of a vector F, with
-    zeta = x + i y: F_x + i F_y = zeta (f + i h) + conj(zeta) U + zeta^3 V,
-    F_z = g + Re(conj(W) zeta^2). vectors: (along z,
-    rho, azimuths, 3); rho: in 1/k; azimuths: rad, one for light that is the same all around its
-    axis, which has f, h and g alone, or three evenly over half a turn.
+    They are f, h, g, then the real and imaginary parts of U, V, W of a vector F, with zeta = x + i
+    y: F_x + i F_y = zeta (f + i h) + conj(zeta) U + zeta^3 V, F_z = g + Re(conj(W) zeta^2).
+    vectors: (along z, rho, azimuths, 3); rho: in 1/k; azimuths: rad, one for light that is the same
+    all around its axis, which has f, h and g alone, or three evenly over half a turn.
     """
     turn = np.exp(-1j * azimuths)
     lateral = (vectors[..., 0] + 1j * vectors[..., 1]) * turn  # radial + i azimuthal
@@ -434,11 +433,11 @@ def _function(values, at, slope, per_height, x, y, gradient):  # type: ignore[no
 def _put(values, at, functions, x, y, slope, per_height, unit, wavenumber, gradient, parts):  # type: ignore[no-untyped-def]
     """Fill `parts` with a vector of eight beads, force or moment, and its gradient.
 
-    The vector is F_x + i F_y = zeta (f + i h) + conj(zeta) U + zeta^3 V,
-    F_z = g + Re(conj(W) zeta^2), zeta = x + i y; with three functions f, h, g, not nine, the others
-    are 0. values: those of the functions from `at` on, as `read` leaves them.
-    slope, per_height, x, y, gradient: see `_function`. unit: of the vector, N or N m. wavenumber:
-    k, 1/m; the gradient is in unit k. parts: see `polynomials.add_up`.
+    The vector is F_x + i F_y = zeta (f + i h) + conj(zeta) U + zeta^3 V, F_z = g + Re(conj(W)
+    zeta^2), zeta = x + i y; with three functions f, h, g, not nine, the others are 0. values: those
+    of the functions from `at` on, as `read` leaves them. slope, per_height, x, y, gradient: see
+    `_function`. unit: of the vector, N or N m. wavenumber: k, 1/m; the gradient is in unit k.
+    parts: see `polynomials.add_up`.
     """
     each = 3 * LANES if gradient else LANES
     f = _function(values, at, slope, per_height, x, y, gradient)

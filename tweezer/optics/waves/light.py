@@ -49,7 +49,7 @@ class Waves(Light):
 
     @property
     def symmetric(self) -> bool:
-        """See `Light.symmetric`."""
+        """Whether the light is the same all around its axis; see `Light.symmetric`."""
         return all(len({part.angular_momentum for part in each.parts}) == 1 for each in self.states)
 
     @property
@@ -73,7 +73,7 @@ class Waves(Light):
 
     @property
     def search(self) -> Search:
-        """See `Light.search`. The force changes over wavelengths, and nowhere jumps."""
+        """Lengths by which the force is searched: it changes over wavelengths, and never jumps."""
         wavelength = 2 * math.pi / self.wavenumber
         spacing = _SPACING * wavelength
         near = _RADII * self.radius + _WAVELENGTHS * wavelength
@@ -86,8 +86,9 @@ class Waves(Light):
 
     @property
     def box(self) -> Box:
-        """See `Light.box`. A part of the angular momentum l is brightest about l/(k sin theta) from
-        the axis.
+        """Box in which rings and positions off the axis are searched.
+
+        A part of the angular momentum l is brightest about l/(k sin theta) from the axis.
         """
         parts = [abs(part.angular_momentum) for each in self.states for part in each.parts]
         sine = self.cone.spread

@@ -175,11 +175,11 @@ def plane_waves(source, rule, part, z, norm, re, im):  # type: ignore[no-untyped
 def add_part(source, rule, part, azimuth, most, room, low, out):  # type: ignore[no-untyped-def]
     """Add the amplitudes P_nm of a part of the light to `out`, by sums over the nodes.
 
-    P_nm is the amplitude of the partial wave of degree n and order m about the bead.
-    source: `Source`; rule, part: numbers of the rule of nodes and of the part of the light.
-    azimuth: (cos, sin) of the bead's azimuth. most: largest order of the Bessel functions. room:
-    `kernel.Room` with Bessel functions and plane waves. out: flattened (2, orders, degrees), all
-    real parts before the imaginary ones; low: order m of its first row.
+    P_nm is the amplitude of the partial wave of degree n and order m about the bead. source:
+    `Source`; rule, part: numbers of the rule of nodes and of the part of the light. azimuth: (cos,
+    sin) of the bead's azimuth. most: largest order of the Bessel functions. room: `kernel.Room`
+    with Bessel functions and plane waves. out: flattened (2, orders, degrees), all real parts
+    before the imaginary ones; low: order m of its first row.
     """
     bessel, re, im, work = room.bessel, room.re, room.im, room.work
     highest = source.highest
