@@ -414,15 +414,16 @@ def test_a_calibration_is_compared_with_the_trap_of_a_scene(command_line, off, a
             {"method": "power spectrum", "stiffness": size + off * 0.01 * size,
              "uncertainty": 0.01 * size, "findings": []},
             {"method": "potential", "stiffness": 3 * size, "uncertainty": 0.01 * size,
-             "findings": ["short"]},
+             "findings": [{"name": "few", "text": "short"}]},
         ]  # fmt: skip
-        return {"axis": name, "estimates": estimates}
+        return calibrated | {"axis": name, "estimates": estimates}
 
     command_line("examples", "trapped-bead")
     options = ["--temperature", "20 degC", "--radius", "0.5 um", "--viscosity", "1 mPa s"]
     command_line("calibrate", "trapped-bead.csv", *options, "--blur", "0", "--out", "k.json")
     calibration = json.loads(Path("k.json").read_text())
     del calibration["sha256"]
+    calibrated = calibration["axes"][0]
     calibration["axes"] = [axis("y", k[1]), axis("z", k[2])]
     write_result(calibration, Path("k.json"))
     for pair in (("trap.json", "k.json"), ("k.json", "trap.json")):

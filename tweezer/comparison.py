@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import math
 import warnings
@@ -14,19 +13,16 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from pydantic import BaseModel, ValidationError
 from scipy.special import fdtr, fdtrc, ndtr, ndtri, stdtr
 
 from tweezer.calibration.results import Calibration
 from tweezer.calibration.spectra import statistical_inefficiency
-from tweezer.calibration.surface import Surface
 from tweezer.results.io import load_result, scene_of
 from tweezer.results.run import Run
-from tweezer.results.saving import load
-from tweezer.results.schema import of_validation, plain
+from tweezer.results.saving import result_in
+from tweezer.results.schema import plain
 from tweezer.scene import by_key
 from tweezer.sweeps.quantities import FAILED, MISSING
-from tweezer.trap.saved_trap import trap_in
 from tweezer.trap.trap import Trap
 from tweezer.values.errors import ResultError
 from tweezer.values.measured import DIMENSIONS, STANDARD, Measured, Result
@@ -210,7 +206,7 @@ class Comparison(Shown):
         return Card("Comparison", of, tuple(rows), tables, self.notes)
 
 
-Given = xr.Dataset | Trap | Calibration | Surface | str | Path
+Given = xr.Dataset | Result | str | Path
 
 
 def compare(a: Given, b: Given) -> Comparison:
@@ -528,64 +524,28 @@ def _source(of: Given, name: str) -> Source:
 
     Raises `ResultError` for a file or result that cannot be compared.
     """
+    result: Any = of
+    made: dict[str, Any] = {}
     if isinstance(of, str | Path):
         path = Path(of)
         name = path.name
         if path.suffix == ".json":
-            return _of_json(path)
-        of = load_result(path)
-    if isinstance(of, Trap):
-        return _of_trap(name, of, {"other_forces": of.other_forces} if of.other_forces else {})
-    if isinstance(of, Calibration):
-        return _of_calibration(name, dataclasses.asdict(of))
-    kind = kind_of(of)
-    if isinstance(of, Result) and kind is not None and kind.compared:
-        return _of_result(name, kind.name, of, {}, of.words())
-    if not isinstance(of, xr.Dataset) or kind is None or kind.name not in _OF_DATASETS:
-        raise ResultError(f"{name}: {refusal(kind, 'compare', COMPARED)}")
-    return _OF_DATASETS[kind.name](name, of, _about(of.attrs))
-
-
-def _of_json(path: Path) -> Source:
-    made = read_json(path)
-    kind = kind_of(made)
+            content = read_json(path)
+            kind = kind_of(content)
+            if kind is None or not kind.compared:
+                raise ResultError(f"{path}: {refusal(kind, 'compare', COMPARED)}")
+            result = result_in(content, path)
+            made = {key: content[key] for key in ("tweezer_version",) if key in content}
+        else:
+            result = load_result(path)
+    kind = kind_of(result)
     if kind is None or not kind.compared:
-        raise ResultError(f"{path}: {refusal(kind, 'compare', COMPARED)}")
-    if kind.name == "trap":
-        trap, version = trap_in(made, path)
-        return _of_trap(path.name, trap, {"tweezer_version": version})
-    if kind.name != "calibration":
-        return _source(load(path), path.name)
-    try:
-        found = _SavedCalibration.model_validate(made)
-    except ValidationError as error:
-        raise ResultError(
-            f"{path}: not {kind.told} as tweezer saves it: {of_validation(error)}"
-        ) from None
-    return _of_calibration(path.name, found.model_dump())
-
-
-class _SavedEstimate(BaseModel):
-    method: str
-    stiffness: float | None
-    uncertainty: float | None
-    findings: list[Any]
-
-
-class _SavedAxis(BaseModel):
-    axis: str
-    estimates: list[_SavedEstimate]
-
-
-class _SavedCalibration(BaseModel):
-    """The part of a file of `tweezer calibrate --out` that is compared."""
-
-    axes: list[_SavedAxis]
-    temperature: Any
-    drag: Any
-    mass: Any
-    exposure: Any
-    samples: Any
+        raise ResultError(f"{name}: {refusal(kind, 'compare', COMPARED)}")
+    if isinstance(result, xr.Dataset):
+        made = _about(result.attrs)
+    if kind.name in _OF:
+        return _OF[kind.name](name, result, made)
+    return _of_result(name, kind.name, result, made, result.words())
 
 
 def _about(attributes: Mapping[str, Any]) -> dict[str, Any]:
@@ -846,7 +806,9 @@ def _numbers_of(measured: Measured) -> Numbers:
 def _of_trap(name: str, trap: Trap, about: dict[str, Any]) -> Source:
     """Return a trap as it is compared: by its quantities, and by whether it holds the bead."""
     scene = trap.scene.model_dump(mode="json", exclude_none=True)
-    how = {"theory": trap.theory, "evaluator": trap.evaluator}
+    how: dict[str, Any] = {"theory": trap.theory, "evaluator": trap.evaluator}
+    if trap.other_forces:
+        how["other_forces"] = trap.other_forces
     words = {"held": str(trap.equilibrium is not None)}
     return _of_result(name, "trap", trap, _keys(scene) | how | about, words)
 
@@ -861,23 +823,17 @@ def _nowhere(_: tuple[int, ...]) -> str:
     return ""
 
 
-def _of_calibration(name: str, found: Mapping[str, Any]) -> Source:
-    """Return a calibration as it is compared: by stiffness estimates without findings.
-
-    found: fields of the calibration by name.
-    """
+def _of_calibration(name: str, found: Calibration, _: dict[str, Any]) -> Source:
+    """Return a calibration as it is compared: by stiffness estimates without findings."""
     numbers = {
-        f"stiffness {axis['axis']}, {each['method']}": Numbers(
-            "N/m",
-            np.array([each["stiffness"]], np.float64),
-            np.array([each["uncertainty"]], np.float64),
-            _nowhere,
-        )
-        for axis in found["axes"]
-        for each in axis["estimates"]
-        if not each["findings"]
+        f"stiffness {axis.axis}, {each.method}": _numbers_of(each.measured)
+        for axis in found.axes
+        for each in axis.estimates
+        if not each.findings
     }
-    about = {key: found[key] for key in ("temperature", "drag", "mass", "exposure", "samples")}
+    about = {
+        key: getattr(found, key) for key in ("temperature", "drag", "mass", "exposure", "samples")
+    }
     return Source(name, "calibration", True, about, None, lambda _: Found(numbers))
 
 
@@ -910,10 +866,12 @@ def _stiffnesses(one: Source, other: Source) -> Source:
     )
 
 
-#: By the name of the kind
-_OF_DATASETS: dict[str, Callable[[str, xr.Dataset, dict[str, Any]], Source]] = {
+#: By the name of the kind: those that are compared by more than the quantities that they list
+_OF: dict[str, Callable[[str, Any, dict[str, Any]], Source]] = {
     "sweep": _of_sweep,
     "statistics": _of_statistics,
     "ensemble": _of_ensemble,
     "run": _of_run,
+    "trap": _of_trap,
+    "calibration": _of_calibration,
 }

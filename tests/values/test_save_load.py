@@ -152,9 +152,9 @@ def test_null_in_the_file_of_a_command_is_nan(tmp_path):
 @pytest.mark.parametrize(
     ("result", "name", "reason"),
     [
-        (xr.Dataset(), "x.nc", "no result of tweezer"),
-        (3, "x.json", "int is no result"),
-        ((), "x.json", "tuple is no result"),
+        (xr.Dataset(), "x.nc", "Dataset is no result of tweezer"),
+        (3, "x.json", "this int is no result"),
+        ((), "x.json", "this tuple is no result"),
         (tuning(), "x.nc", "must end in .json"),
     ],
 )

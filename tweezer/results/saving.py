@@ -56,15 +56,12 @@ def save(result: Any, path: str | Path) -> Path:
     True
     """
     path = Path(path)
-    if hasattr(result, "attrs"):
-        if kind_of(result) is None:
-            raise ResultError(f"{path}: cannot be saved: the dataset is no result of tweezer")
-        return save_run(result, path)
     kind = kind_of(result)
     if kind is None:
-        raise ResultError(
-            f"{path}: cannot be saved: {type(result).__name__} is no result with files"
-        )
+        name = type(result).__name__
+        raise ResultError(f"{path}: cannot be saved: this {name} is no result of tweezer")
+    if not kind.of:
+        return save_run(result, path)
     check_ending(path, ("json",))
     if kind.reader:
         content = importlib.import_module(kind.reader).content_of(result)
@@ -115,7 +112,11 @@ def load(path: str | Path) -> Any:
     path = Path(path)
     if path.suffix.lower() != ".json":
         return load_result(path)
-    content = read_json(path)
+    return result_in(read_json(path), path)
+
+
+def result_in(content: Any, path: Path) -> Any:
+    """Return the result in the content of a file of JSON; see `load`."""
     kind = kind_of(content)
     if kind is None or not kind.of:
         raise ResultError(f"{path}: is no result that is known")

@@ -19,15 +19,12 @@ def content_of(given: Any, name: str) -> Content:
     name: of the result, for messages. Raises `ResultError` for a result without a page.
     """
     kind = kind_of(given)
-    page = kind.page if kind else ""
-    if not hasattr(given, "attrs") and hasattr(given, "equilibrium"):
-        page = "trap"
-    if not page:
+    if kind is None or not kind.page:
         raise ResultError(f"{name}: {refusal(kind, 'view', SHOWN)}")
     try:
         for reason in rising(given, "time") if "time" in getattr(given, "sizes", ()) else ():
             raise ResultError(reason)
-        content: Content = importlib.import_module(f"tweezer.viewing.of_{page}").content(given)
+        content: Content = importlib.import_module(f"tweezer.viewing.of_{kind.page}").content(given)
     except TweezerError as error:  # of a scene too, such as a bead too far from the light
         raise ResultError(f"{error}" if name in str(error) else f"{name}: {error}") from None
     return content
