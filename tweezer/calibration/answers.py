@@ -12,10 +12,10 @@ from tweezer.calibration.spectra import TrappedBead
 
 @dataclass(frozen=True)
 class Answer:
-    """The amplitude of a bead's signal at one frequency of the stage, or in a narrow band."""
+    """Amplitude of a bead's signal at one frequency of a moving stage, or in a narrow band."""
 
     frequency: float
-    """Hz"""
+    """frequency of the stage, Hz"""
     stage: float
     """amplitude of the stage, m"""
     stage_uncertainty: float
@@ -29,12 +29,12 @@ class Answer:
 
     @property
     def response(self) -> complex:
-        """Return the signal over the motion of the stage, V/m or 1."""
+        """Complex ratio of signal to motion of the stage: V/m, or a number for a signal in m."""
         return cmath.rect(self.signal / self.stage, self.phase)
 
     @property
     def response_uncertainty(self) -> float:
-        """Return the standard uncertainty of its real and of its imaginary part, V/m or 1."""
+        """Standard uncertainty of the real and of the imaginary part of `response`."""
         of_stage = abs(self.response) * self.stage_uncertainty
         return math.hypot(self.signal_uncertainty, of_stage) / self.stage
 
@@ -69,7 +69,7 @@ class KnownDrag:
     """Drag that is known from elsewhere, with an uncertainty."""
 
     drag: float
-    """kg/s"""
+    """drag of the bead, kg/s"""
     uncertainty: float
     """standard uncertainty of the drag's logarithm"""
 

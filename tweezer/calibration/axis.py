@@ -1,4 +1,4 @@
-"""The trap along one axis: estimates of its stiffness, and the findings against them."""
+"""Calibration of a trap along one axis: estimates of its stiffness, and findings against them."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ _ROAMING = 0.3
 
 
 def along(record: Record) -> AxisCalibration:
-    """Return the trap along one axis."""
+    """Return the calibration of a trap along one axis from its record."""
     known, answers = record.known, record.answers
     step, unit = record.recording.step, record.recording.unit
     signal = known.left_out.without(record.signal, step)
@@ -64,7 +64,7 @@ def along(record: Record) -> AxisCalibration:
     own = _spectrum_fit(fits.fit)
     of_free = own if fits.free is fits.fit else _spectrum_fit(fits.free)
     findings = _findings(record, signal, fits, resolution)
-    # a drift slower than all frequencies of the fits is not in their way
+    # a drift slower than all frequencies of the spectral fits does not affect them
     beyond = known.left_out.fit_range[0] > (
         (known.left_out.cosines(len(signal), step) + SLOW) / (2 * len(signal) * step)
     )
@@ -102,7 +102,11 @@ def along(record: Record) -> AxisCalibration:
 
 
 def _findings(record: Record, positions: Array, fits: Fits, resolution: float) -> list[Finding]:
-    """Return the findings about the record: first its digits, then its motion."""
+    """Return the findings about the record: first its digits, then its motion.
+
+    `positions` (n,), m, are the record without drift and bands, `fits` the fits of its spectrum and
+    `resolution`, m, the step of its digits. A run of tweezer has no findings about digits.
+    """
     detector, recording = record.known.detector, record.recording
     findings = examine(positions, recording.step, fits, detector.exposure_known, resolution)
     if recording.scene is not None:  # its digits are not those of a file
@@ -119,7 +123,9 @@ def _numbers(
 ) -> Iterator[tuple[str, tuple[float, float], list[Finding]]]:
     """Yield each method with its stiffness and its uncertainty (N/m), and its findings.
 
-    `slow` is a drift that is not in the way of the spectral fits.
+    `positions` (n,), m, are the record without drift and bands, `fits` the fits of its spectrum and
+    `resolution`, m, the step of its digits. `slow` are findings of a drift that does not affect the
+    spectral fits, but all other methods.
     """
     scene, step = record.recording.scene, record.recording.step
     fit, bead, made_by = fits.fit, fits.fit.bead, []
@@ -128,10 +134,12 @@ def _numbers(
         made_by = [Finding("one-call", text)]
 
     def too_few(method: str) -> list[Finding]:
+        """Return a finding if the record is too short for a method."""
         text = f"{method}: fewer than {_FEW:g} relaxation times"
         return [Finding("few", text)] if len(positions) * step / bead.relaxation_time < _FEW else []
 
     def by_spectrum(each: WhittleFit) -> tuple[float, float]:
+        """Return the fitted stiffness and its uncertainty, N/m."""
         return each.bead.stiffness, each.bead.stiffness * each.uncertainty(1, 0)
 
     yield "power spectrum", by_spectrum(fit), made_by
@@ -155,7 +163,11 @@ def _numbers(
 def _disagreeing(
     fit: WhittleFit, answers: tuple[Answer, ...], response: float
 ) -> Iterator[Finding]:
-    """Answers at several frequencies that no bead gives together."""
+    """Yield a finding if answers at several frequencies contradict each other.
+
+    They do if the fitted bead differs from them by more than their uncertainties. `response`, V/m
+    or a number, divides their signal, as it does in `fit`.
+    """
     squares = sum(each.per(response).misfit(fit.bead) ** 2 for each in answers)
     if len(answers) > 1 and chdtrc(len(answers) - 1, squares) < IMPROBABLE:
         text = "its answers to the stage at different frequencies contradict each other"
@@ -163,10 +175,11 @@ def _disagreeing(
 
 
 def _jumping(fit: WhittleFit, step: float, jumps: float) -> Iterator[Finding]:
-    """Return a stage that jumps between samples, with what the bead moves until the next one.
+    """Yield a finding for a stage that jumps between samples, if this affects the sensitivity.
 
-    Whether it jumps just after a sample or just before the next one changes the size of an answer
-    by the step over the relaxation time, half of it to either side.
+    `jumps` is the fraction of the stage's path in jumps. Whether the stage jumps just after a
+    sample or just before the next one changes the amplitude of an answer by `step`, s, over the
+    relaxation time, half of it to either side.
     """
     off = jumps * step / (2 * fit.bead.relaxation_time)
     if off >= HARM * fit.uncertainty(0, 0, 1):
@@ -177,7 +190,7 @@ def _jumping(fit: WhittleFit, step: float, jumps: float) -> Iterator[Finding]:
 
 
 def _unfollowed(frequencies: tuple[float, ...]) -> Iterator[Finding]:
-    """Frequencies (Hz) at which the column of a stage is the noise of its sensor."""
+    """Yield a remark about `frequencies`, Hz, at which the stage's sensor has noise, if any."""
     if frequencies:
         at = " and ".join(f"{each:.3g}" for each in frequencies[:_TOLD])
         more = " and more" if len(frequencies) > _TOLD else ""
@@ -188,7 +201,7 @@ def _unfollowed(frequencies: tuple[float, ...]) -> Iterator[Finding]:
 
 
 def _roaming(bead: TrappedBead, height: Height | None) -> Iterator[Finding]:
-    """Return a remark if the motion of a bead across a wall changes its height by much."""
+    """Yield a remark if thermal motion across a wall changes the height of a bead by much."""
     if height is None or not bead.across:
         return
     deviation = math.sqrt(Boltzmann * bead.temperature / bead.stiffness)
@@ -201,7 +214,11 @@ def _roaming(bead: TrappedBead, height: Height | None) -> Iterator[Finding]:
 
 
 def _late(fit: WhittleFit, answers: tuple[Answer, ...], response: float) -> Iterator[Finding]:
-    """Answers whose phase is not that of the bead, of which only the size is used."""
+    """Yield a remark about the first answer whose phase differs from that of the fitted bead.
+
+    `response`, V/m or a number, divides the signal of the answers, as it does in `fit`. Only the
+    amplitudes of the answers are used in fits.
+    """
     for each in answers:
         late, error = each.per(response).late(fit.bead)
         if abs(late) > max(_LATE[0] * error, _LATE[1]):
@@ -224,7 +241,10 @@ _WORDS = {
 
 
 def _undetermined(detector: tuple[Detected, ...], unit: str) -> Iterator[Finding]:
-    """Fitted detector parameters that the record does not determine."""
+    """Yield remarks about fitted detector parameters that the record does not determine.
+
+    `unit` is that of the recording, "m" or "V".
+    """
     unseen = [each for each in detector if each.value is None]
     if any(each.name == "diode_frequency" for each in unseen):
         unseen = [each for each in unseen if each.name != "diode_fraction"]
@@ -236,6 +256,7 @@ def _undetermined(detector: tuple[Detected, ...], unit: str) -> Iterator[Finding
 
 
 def _spectrum_fit(fit: WhittleFit) -> SpectrumFit:
+    """Return the public result of a spectral fit, with standard uncertainties in SI."""
     bead = fit.bead
     return SpectrumFit(
         bead,

@@ -9,7 +9,7 @@ from pydantic_core import CoreSchema, core_schema
 
 
 class _OfAxis(Protocol):
-    """A result of one axis."""
+    """Any result that belongs to one axis."""
 
     @property
     def axis(self) -> str:
@@ -26,7 +26,7 @@ class ByAxis(tuple[T, ...]):
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Read a list of results from a file."""
+        """Return the schema by which pydantic reads a list of results from a file."""
         entry = handler.generate_schema(get_args(source)[0])
         entries = core_schema.tuple_variable_schema(entry)
         return core_schema.no_info_after_validator_function(cls, entries)
@@ -37,7 +37,7 @@ class ByAxis(tuple[T, ...]):
     def __getitem__(self, key: slice) -> tuple[T, ...]: ...
 
     def __getitem__(self, key: Any) -> Any:
-        """Return the result of an axis; raises `KeyError` for one that there is none of."""
+        """Return the result of an axis, by number or name; raise `KeyError` for an unknown name."""
         if not isinstance(key, str):
             return super().__getitem__(key)
         for each in self:

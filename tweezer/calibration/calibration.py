@@ -144,7 +144,7 @@ def calibrate(
 
 
 def calibrated(recording: Recording, setup: Setup) -> Calibration:
-    """Return the calibration of a recording, given bead, medium, wall and detector."""
+    """Return the calibration of a recording, with bead, medium, wall and detector from `setup`."""
     known = setup.of(recording)
     records = _records(recording, known)
     axes: dict[str, AxisCalibration] = {}
@@ -204,7 +204,10 @@ def _records(recording: Recording, known: Known) -> list[Record]:
 
 
 def _told_by(other: AxisCalibration, axis: str, height: Height | None) -> KnownDrag:
-    """The drag of a bead along an axis by that along another one."""
+    """Return the drag along `axis` as evidence, from the calibration of another axis.
+
+    Beside a wall, at the known height, the drags of two axes differ by the ratio of mobilities.
+    """
     fit = other.free_fit
     assert fit.drag_uncertainty is not None
     ratio = 1.0 if height is None else height.mobility(other.axis) / height.mobility(axis)
@@ -236,8 +239,9 @@ def _free(
 
 
 def in_metres(recording: Recording, calibration: Calibration) -> Recording:
-    """A recording as it was calibrated: in metres, without answers to a drive and what else was
-    left out.
+    """Return the recording as it was calibrated: in metres, without drift and left-out bands.
+
+    The answers of the bead to a drive are removed too.
     """
     moved = None if recording.drive is None else Drive.of(recording.drive, recording.step)
     columns = [

@@ -42,7 +42,7 @@ _TRIED = 2
 _LEAST_BLOCKS = 50
 #: Highest frequency of a first fit before that of a detector, in units of the roll-off.
 _BEFORE_DETECTOR = 2.0
-#: Half the width of what is left out about the frequency of a drive, in ordinates
+#: Half the width of the band that is left out about the frequency of a drive, in ordinates
 _BESIDE = 1.499
 
 
@@ -56,7 +56,7 @@ class Record:
     signal: Array
     """(n,) m or V, without its answers to a drive"""
     beside: tuple[Evidence, ...]
-    """what else is known of the bead: its answers to the drive, and a drag with an uncertainty"""
+    """evidence beside the spectrum: answers to the drive, and a drag with an uncertainty"""
     drive: Drive | None
     unfollowed: tuple[float, ...]
     """frequencies, Hz, at which the column of the stage is the noise of its sensor"""
@@ -70,7 +70,7 @@ class Record:
 
     @cached_property
     def bead(self) -> TrappedBead:
-        """Temperature, masses and detector; the drag, or NaN."""
+        """Bead with the known temperature, masses, detector and drag; NaN for unknown numbers."""
         return self.known.bead(self.axis, self.recording.step)
 
     @property
@@ -80,7 +80,7 @@ class Record:
 
     @property
     def all_frequencies(self) -> bool:
-        """Whether the spectrum is known up to Nyquist's frequency, or what it tells there asked."""
+        """Whether a fit uses all frequencies up to Nyquist's, where detector and inertia count."""
         bead = self.bead
         fitted = self.known.detector.fitted
         return bool(fitted or bead.displaced_mass or bead.diode_frequency or bead.noise)
@@ -91,7 +91,7 @@ class Record:
         return not math.isnan(self.bead.drag)
 
     def periodogram(self, signal: Array) -> Periodogram:
-        """Return that of the signal; the lines of the drive and what is left out are not in it."""
+        """Return the periodogram of a signal (n,), without the drive's lines and left-out bands."""
         step = self.recording.step
         bin_ = 1 / (len(signal) * step)
         lines = () if self.drive is None else self.drive.frequencies
@@ -101,16 +101,16 @@ class Record:
 
 
 def fits_of(record: Record, signal: Array) -> Fits:
-    """Return the fit with the drag as known, and that with a free drag.
+    """Return the spectral fits of a record with its known drag, and with a free drag.
 
-    `signal` (n,) is that of the record without what is left out.
+    `signal` (n,), m or V, is the signal of the record without drift and bands.
     """
     detector, left = record.known.detector.fitted, record.known.left_out
     scaled = record.recording.unit == "V" or bool(record.answers)
     whole = record.periodogram(signal)
     low, high = left.fit_range
     ranged = whole[(whole.frequencies >= low) & (whole.frequencies <= high)]
-    # without masses where metres are not known yet: they are negligible for a start
+    # without masses if the signal is not in true metres yet: they are negligible for a first guess
     first = record.bead
     if scaled:
         first = dataclasses.replace(first, mass=None, displaced_mass=None, drag=math.nan)
@@ -124,7 +124,10 @@ def fits_of(record: Record, signal: Array) -> Fits:
 def _of_motion(
     record: Record, part: Periodogram, start: TrappedBead
 ) -> tuple[WhittleFit, WhittleFit]:
-    """Return both fits in metres, by an ideal or a known detector."""
+    """Return the fits with the known and with a free drag, in metres and for a known detector.
+
+    `part` is the periodogram of the frequencies to fit, and `start` the first guess.
+    """
     drag = record.bead.drag
     free = fit = fitted(part, start, MOTION)
     if record.drag_known and not _evaluated(free):
@@ -139,7 +142,11 @@ def _of_motion(
 def _of_detector(
     record: Record, part: Periodogram, start: TrappedBead, *, scaled: bool
 ) -> tuple[WhittleFit, WhittleFit]:
-    """Return both fits with parameters of the detector, and with the response if `scaled`."""
+    """Return the fits with the known and with a free drag, with parameters of the detector.
+
+    `part` is the periodogram of the frequencies to fit, and `start` the first guess, in the unit of
+    the signal. If `scaled`, the response, V/m or a number, is fitted too.
+    """
     detector, beside = record.known.detector.fitted, record.beside
     if part.counts.sum() < _LEAST_BLOCKS / 2:
         raise ArithmeticError("too few frequencies for a fit")
@@ -160,6 +167,7 @@ def _of_detector(
     )[:_TRIED]  # fmt: skip
 
     def best(free: tuple[str, ...], starts: list[TrappedBead]) -> WhittleFit:
+        """Return the most probable of the fits of the parameters `free` from several starts."""
         found = [fitted(part, each, free) for each in starts]
         return max(found, key=lambda fit: fit.log_likelihood)
 
@@ -168,7 +176,7 @@ def _of_detector(
         answers = tuple(each for each in beside if not isinstance(each, KnownDrag))
         if answers == beside or (scaled and not answers):
             return fit, fit
-        # what the record tells by itself
+        # the second fit is of the record alone, without the drag from elsewhere
         return fit, fitted(dataclasses.replace(part, beside=answers), fit.bead, names)
     fit = best(tuple(name for name in names if name != "drag"), starts)
     if scaled and not beside:
@@ -177,7 +185,7 @@ def _of_detector(
 
 
 def _evaluated(fit: WhittleFit) -> bool:
-    """Whether a fit is at a bead that can be computed; a record of white noise leads beyond."""
+    """Return whether a fit has a finite covariance, which it may lack for white noise."""
     try:
         return bool(np.isfinite(fit.covariance).all())
     except (ArithmeticError, np.linalg.LinAlgError):
@@ -185,7 +193,11 @@ def _evaluated(fit: WhittleFit) -> bool:
 
 
 def _in_metres(start: TrappedBead, given: TrappedBead, beside: tuple[Evidence, ...]) -> TrappedBead:
-    """The start of a fit from one whose unit of length is that of the signal."""
+    """Return a first guess in metres from the guess `start`, in the unit of the signal.
+
+    The response, V/m or a number, follows from the largest answer to a drive in `beside`, or from
+    the known drag. `given` has the known drag (or NaN) and masses.
+    """
     answers = [each for each in beside if isinstance(each, Answer)]
     drags = [each.drag for each in beside if isinstance(each, KnownDrag)]
     if answers:
@@ -202,7 +214,11 @@ def _in_metres(start: TrappedBead, given: TrappedBead, beside: tuple[Evidence, .
 
 
 def _guesses(start: TrappedBead, detector: tuple[str, ...], part: Periodogram) -> list[TrappedBead]:
-    """Beads with detectors that a fit may start from."""
+    """Return first guesses with all combinations of values of the parameters `detector`.
+
+    `start` is the bead, and `part` the periodogram, whose sampling interval and density at the
+    highest frequencies are the units of these values.
+    """
     nyquist = 0.5 / part.step
     units = {
         "exposure": part.step, "diode_frequency": nyquist, "diode_fraction": 1.0,

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Estimate:
-    """The stiffness of a trap by one method."""
+    """Stiffness of a trap, estimated by one method."""
 
     method: str
     """"equipartition", "power spectrum", "power spectrum, drag fitted", "displacement" (MSD),
@@ -74,13 +74,13 @@ class Estimate:
 
     @property
     def doubt(self) -> str:
-        """Reason not to trust it; "" without a finding."""
+        """Text with the reasons not to trust the stiffness; "" without a finding."""
         return f"not to be trusted: {self.caveat}" if self.caveat else ""
 
 
 @dataclass(frozen=True)
 class SpectrumFit:
-    """A fit to a power spectrum by maximum likelihood."""
+    """Fit of a trapped bead to a power spectrum, by maximum likelihood."""
 
     bead: TrappedBead
     """bead with the fitted stiffness, and the fitted or given drag"""
@@ -102,7 +102,7 @@ class SpectrumFit:
 
 @dataclass(frozen=True, repr=False)
 class AxisCalibration(Result):
-    """The trap along one axis."""
+    """Calibration of a trap along one axis."""
 
     QUANTITIES: ClassVar = (*QUANTITIES, DRAG, SENSITIVITY, FORCE_SENSITIVITY)
 
@@ -121,19 +121,20 @@ class AxisCalibration(Result):
     detector: tuple[Detected, ...] = ()
     """parameters of the detector that were fitted"""
     sensitivity: float | None = None
-    """m/V; for a record in m with a drive true metres by recorded ones; None if not asked"""
+    """displacement sensitivity, m/V; for a driven record in m, the ratio of true to recorded
+    metres; None if not fitted"""
     sensitivity_uncertainty: float | None = None
-    """its standard uncertainty"""
+    """standard uncertainty of `sensitivity`"""
     force_sensitivity: float | None = None
     """stiffness times sensitivity, N/V or N/m"""
     force_sensitivity_uncertainty: float | None = None
-    """its standard uncertainty"""
+    """standard uncertainty of `force_sensitivity`"""
     answers: tuple[Answer, ...] = ()
-    """to the motion of the stage"""
+    """answers of the bead to the motion of the stage"""
     remarks: tuple[Finding, ...] = ()
-    """what the record does not determine, and other things that speak against no number"""
+    """remarks that are not reasons against a number, such as parameters that are not determined"""
     drag: float | None = None
-    """what is known of the drag along this axis, where the bead is, kg/s; None if nothing"""
+    """known drag along this axis at the bead's position, kg/s; None if unknown"""
 
     @property
     def diffusion_uncertainty(self) -> float:
@@ -145,7 +146,10 @@ class AxisCalibration(Result):
         return next(estimate for estimate in self.estimates if estimate.method == method)
 
     def quantities(self) -> Iterator[Measured]:
-        """Stiffness, corner frequency and diffusion by the spectrum, and what was fitted beside."""
+        """Yield stiffness, corner frequency and diffusion by the spectrum, drag and sensitivities.
+
+        Drag and sensitivities are included only if they were fitted.
+        """
         fit, free = self.fit, self.free_fit
         yield self["power spectrum"].measured
         yield CORNER(fit.bead.corner_frequency, fit.corner_frequency_uncertainty)
@@ -165,7 +169,7 @@ class AxisCalibration(Result):
 
     @property
     def notes(self) -> list[str]:
-        """The texts of these findings."""
+        """Texts of the findings in `listed`."""
         return [each.text for each in self.listed]
 
     def table(self, notes: Sequence[str] | None = None) -> Table:
@@ -181,7 +185,7 @@ class AxisCalibration(Result):
         return Table((f"{self.axis}: stiffness by", "pN/um", "+-", ""), tuple(rows))
 
     def lines(self, unit: str, notes: Sequence[str]) -> Iterator[str]:
-        """Yield what was found beside the stiffness: spectrum, detector, drive and remarks.
+        """Yield lines about the results beside the stiffness: spectrum, detector, drive, remarks.
 
         `unit` is the unit of the recording; the lines refer to the numbers of `notes`.
         """
@@ -220,17 +224,18 @@ class AxisCalibration(Result):
         return Card("Stiffness", f"the {self.axis} axis", rows, notes=notes)
 
     def by(self, method: str) -> Estimate | None:
-        """The estimate by a method, if there is one."""
+        """Return the estimate by a method; None if there is none."""
         return next((each for each in self.estimates if each.method == method), None)
 
 
 def _mark(against: Iterable[Finding], notes: Sequence[str]) -> str:
-    """Return the numbers of the notes that speak against a number; "" if none does."""
+    """Return "not trusted" with the numbers of the notes that contain findings; "" without any."""
     numbers = sorted({notes.index(each.text) + 1 for each in against if each.text in notes})
     return f"not trusted: {', '.join(map(str, numbers))}" if numbers else ""
 
 
 def _determined(number: Measured) -> str:
+    """Return a number in words, or "not determined" if its uncertainty exceeds it."""
     return number.words if 0 < number.errors < number.value else "not determined"
 
 
@@ -244,15 +249,16 @@ class Calibration(Result):
     temperature: float
     """K"""
     drag: float | None
-    """far from any wall, kg/s; None if fitted"""
+    """drag of the bead far from any wall, kg/s; None if fitted"""
     mass: float | None
-    """kg; None if overdamped"""
+    """mass of the bead, kg; None if overdamped"""
     displaced_mass: float | None
-    """kg of fluid in the bead's place; None: without the inertia of the fluid"""
+    """mass of the fluid in the bead's place, kg; None: without the inertia of the fluid"""
     exposure: float | None
-    """s; None if not known, and taken as 0, or fitted"""
+    """exposure time of a sample, s; None if fitted, or if unknown and taken as 0"""
     diode: tuple[float, float] | None
-    """frequency (Hz) and part that is detected at once; None without one, or fitted"""
+    """half-power frequency of a photodiode, Hz, and the fraction of the signal that it detects
+    without delay; None without a diode, or if fitted"""
     noise: float | None
     """standard deviation of the noise of the detector, m or V, along the first axis if each has its
     own; None without, or fitted"""
@@ -294,7 +300,7 @@ class Calibration(Result):
         return figure("calibration_figure", recording, self)
 
     def quantities(self) -> Iterator[Measured]:
-        """Stiffness, corner frequency and diffusion of each axis; NaN along the others."""
+        """Yield stiffness, corner frequency and diffusion along x, y and z; NaN for absent axes."""
         names = DIMENSIONS["axis"]
         found = np.full((len(QUANTITIES), 2, len(names)), np.nan)
         for axis in self.axes:
@@ -304,7 +310,7 @@ class Calibration(Result):
             yield quantity(values, errors)
 
     def words(self) -> dict[str, str]:
-        """Whether the fits of the spectra can be trusted, and why not."""
+        """Return whether the spectral fits can be trusted, and the findings against them."""
         caveats = [
             f"{axis.axis}: {caveat}"
             for axis in self.axes
@@ -314,7 +320,7 @@ class Calibration(Result):
         return {"outcome": outcome, "caveat": "; ".join(caveats)}
 
     def card(self) -> Card:
-        """For each axis the first stiffness that is trusted; what was given; tables of all."""
+        """Card with the first trusted stiffness of each axis, the inputs, and tables of all."""
         trapped, rows = self.trapped, []
         for axis in self.axes:
             if axis not in trapped:
@@ -351,7 +357,7 @@ class Calibration(Result):
 
 
 def _beside(wall: Height, axis: str, known: float) -> str:
-    """Return the line with the drag along an axis that the height above a wall gives."""
+    """Return the line with the drag along an axis, kg/s, that the height above a wall gives."""
     uncertainty = known * wall.relative_uncertainty(axis) or None
     way = "across" if axis == ACROSS else "along"
     return (

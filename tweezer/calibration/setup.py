@@ -33,18 +33,19 @@ _UNEVEN = 1e-3
 
 
 class Detector(NamedTuple):
-    """The detector of a recording, SI."""
+    """Detector of a recording, in SI."""
 
     exposure: float | None
-    """s; None if not known, or fitted"""
+    """exposure time of a sample, s; None if unknown or fitted"""
     diode: tuple[float, float] | None
-    """frequency, Hz, and part that is detected at once; None without one, or fitted"""
+    """half-power frequency of a photodiode, Hz, and the fraction of the signal that it detects
+    without delay; None without a diode, or if fitted"""
     noise: float | None
-    """standard deviation, m or V, along the first axis; None if not known, or fitted"""
+    """standard deviation of the noise along the first axis, m or V; None if unknown or fitted"""
     noises: dict[str, float]
-    """along each axis; 0 if not known"""
+    """standard deviation of the noise by axis, m or V; 0 if unknown"""
     fitted: tuple[str, ...]
-    """parameters that are fitted"""
+    """names of the parameters that are fitted, as in `TrappedBead`"""
 
     @property
     def exposure_known(self) -> bool:
@@ -58,19 +59,20 @@ class Known:
 
     temperature: float
     drag: float | None
-    """far from walls"""
+    """drag far from walls, kg/s"""
     mass: float | None
     displaced_mass: float | None
+    """mass of the fluid in the bead's place, kg; None: without fluid inertia"""
     radius: float | None
     viscosity: float | None
     poles: int
-    """of the memory of the fluid"""
+    """number of poles of the hydrodynamic memory"""
     wall: Height | None
     detector: Detector
     left_out: LeftOut
     """frequencies excluded from the record"""
     drags: dict[str, float]
-    """along each axis, where the bead is; none where it is not known"""
+    """drag by axis at the position of the bead, kg/s; unknown axes are missing"""
 
     def bead(self, axis: str, step: float) -> TrappedBead:
         """Return the bead of an axis, recorded every `step` (s); what is not known is NaN."""
@@ -91,7 +93,7 @@ class Known:
 
 @dataclass(frozen=True, kw_only=True)
 class Setup:
-    """Bead, medium, wall and detector as given: numbers in SI, or text; None: not given.
+    """Bead, medium, wall and detector as the user gives them: in SI, or as text; None if not given.
 
     The fields are the keywords of `calibrate`, which describes them.
     """
@@ -157,6 +159,7 @@ class Setup:
         )  # fmt: skip
 
     def _detector(self, recording: Recording) -> Detector:
+        """Return the detector as given, completed by the exposure and noise of the recording."""
         asked = {"exposure": self.exposure, "diode_frequency": self.diode, "noise": self.noise}
         fitted = tuple(name for name, value in asked.items() if value == "fit")
         exposure, diode, noise = (None if value == "fit" else value for value in asked.values())
@@ -177,7 +180,10 @@ class Setup:
 
 
 def given_in_si(recording: str, name: str, value: QuantityLike | None, unit: str) -> float | None:
-    """Return an argument in its SI unit; None if not given."""
+    """Return the argument `name` in the SI unit `unit`, None if not given.
+
+    `recording` is the name of the recording, for error messages.
+    """
     if value is None:
         return None
     return in_si(f"{recording}: {name}", value, unit, error=ResultError)
@@ -186,7 +192,10 @@ def given_in_si(recording: str, name: str, value: QuantityLike | None, unit: str
 def _diode(
     recording: str, value: QuantityLike | tuple[QuantityLike, QuantityLike]
 ) -> tuple[float, float]:
-    """Return the frequency of a diode, Hz, and the part that it detects at once."""
+    """Return the half-power frequency of a diode, Hz, and the fraction detected without delay.
+
+    `value` is a frequency, or a frequency and a fraction, as numbers or text.
+    """
     parts: Sequence[QuantityLike]
     if isinstance(value, str):
         parts = value.split(",")
@@ -210,7 +219,10 @@ def _diode(
 
 
 def _checked(name: str, given: dict[str, float | None]) -> float:
-    """Return the temperature, K; refuse quantities that are missing or not positive."""
+    """Return the temperature, K; raise `ResultError` for a missing or not positive quantity.
+
+    `given` contains the quantities by name, in SI, and `name` is that of the recording.
+    """
     temperature = given["temperature"]
     if temperature is None:
         raise ResultError(f"{name}: needs the temperature of the medium")

@@ -348,8 +348,8 @@ class TrappedBead:
     def _detected(self) -> Decays:
         """Amplitudes (m^2 or V^2) and rates (1/s) in the signal's autocovariance.
 
-        The response multiplies those of the position, and a diode adds its own rate. Exposure and
-        noise are not included.
+        The square of the response multiplies the amplitudes of the position, and a diode adds its
+        own rate. Exposure and noise are not included.
         """
         square = self.response**2
         decays = [(square * amplitude, rate) for amplitude, rate in self._decays]

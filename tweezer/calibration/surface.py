@@ -120,18 +120,37 @@ def find_wall(
     drag: QuantityLike | None = None,
     shift: float | None = 1.0,
 ) -> Surface:
-    """The place of a wall from the drag of a bead at several heights above it.
+    """Return the position of a wall, from the drag of a bead at several heights above it.
 
-    calibrations: of a recording at each height, without the inertia of the fluid, in metres or with
-    a drive, so that they measure the drag; positions: of the focus, or the stage, m, for each,
-    larger where the bead is farther from the wall; radius: of the bead, m; drag: that far from the
-    wall, kg/s, fitted if None; shift: by how much the bead moves when the position does, fitted if
-    None (behind a cover glass the focus moves less than the objective).
+    The height of the bead's centre is shift (position - position of the wall). The unknowns are
+    fitted to the logarithms of the measured drags along all axes by least squares, with the weights
+    of their uncertainties. The drag at each height follows from the exact mobilities of a sphere
+    beside a wall.
 
-    Heights are shift (position - position of the wall). These are fitted to the logarithms of the
-    drags along all axes (`Calibration`, with the drag fitted), by least squares with the weights of
-    their uncertainties; drags are those of the exact mobilities. Raises `ResultError` where numbers
-    are missing or wrong, and for fewer drags than unknowns.
+    Parameters
+    ----------
+    calibrations : sequence of Calibration
+        Calibration of a recording at each height. They must measure the drag: in metres or with a
+        drive, and without the inertia of the fluid.
+    positions : array_like, shape (n,)
+        Position of the focus or the stage in each recording, m, increasing away from the wall.
+    radius : float or str
+        Radius of the bead, m.
+    drag : float or str, optional
+        Drag far from the wall, kg/s. Default: fitted.
+    shift : float, optional
+        Distance that the bead moves over the change of the position; None: fitted. Behind a cover
+        glass the focus moves less than the objective.
+
+    Returns
+    -------
+    Surface
+        Position of the wall and height of the bead in each recording, with findings.
+
+    Raises
+    ------
+    ResultError
+        If numbers are missing or invalid, or there are fewer drags than unknowns.
     """
     places = numbers_in_si("positions", positions, "m")
     radius = in_si("radius", radius, "m", error=ResultError)
@@ -160,6 +179,7 @@ def find_wall(
     covariance = inverse(fit.information(found))
 
     def with_error(of: Callable[[Array], Array]) -> tuple[Array, Array]:
+        """Return a function of the unknowns at the best fit, and its standard uncertainty."""
         slopes = fit.differences(of, found)
         return of(found), np.sqrt(np.einsum("i...,ij,j...->...", slopes, covariance, slopes))
 

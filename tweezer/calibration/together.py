@@ -1,4 +1,4 @@
-"""Calibrations of several recordings of one trap, put together."""
+"""Weighted means of the calibrations of several recordings of one trap."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from tweezer.values.shown import Table
 
 @dataclass(frozen=True)
 class Together:
-    """One quantity of one axis by several recordings."""
+    """Weighted mean of one quantity along one axis, over several recordings."""
 
     axis: str
     quantity: str
     """"stiffness" (N/m), "drag" (kg/s) or "sensitivity" (m/V)"""
     mean: float | None
-    """weighted by the uncertainties, of the recordings that nothing speaks against; None if there
-    are fewer than two, or they do not agree"""
+    """mean of the recordings without findings, weighted by their uncertainties; None if there are
+    fewer than two, or they do not agree"""
     uncertainty: float | None
-    """its standard uncertainty"""
+    """standard uncertainty of `mean`"""
     recordings: tuple[str, ...]
-    """those of the mean"""
+    """names of the recordings that the mean includes"""
     p_value: float | None
-    """probability of values further apart, by chi-square"""
+    """probability of values that differ as much or more, by chi-square"""
     findings: tuple[Finding, ...]
-    """why there is no mean"""
+    """reasons why there is no mean"""
 
     def measured(self, *, metric: bool) -> Measured:
         """Return the mean, with the reasons if there is none.
@@ -51,10 +51,11 @@ _QUANTITIES = (STIFFNESS, DRAG, SENSITIVITY)
 
 
 def together(calibrations: Sequence[Calibration]) -> tuple[Together, ...]:
-    """What several recordings of one trap tell together, axis by axis.
+    """Combine the calibrations of several recordings of one trap, axis by axis.
 
-    Weighted means of what the fits of their spectra give, where no finding speaks against it; and
-    where the values differ by more than their uncertainties, a finding instead.
+    The result contains the weighted mean of each quantity from the fits of the spectra, over the
+    recordings without findings. If the values differ by more than their uncertainties, it contains
+    a finding instead of the mean.
     """
     axes = dict.fromkeys(axis.axis for each in calibrations for axis in each.axes)
     return tuple(
@@ -66,6 +67,7 @@ def together(calibrations: Sequence[Calibration]) -> tuple[Together, ...]:
 
 
 def _of_one(calibrations: Sequence[Calibration], name: str, quantity: str) -> Together | None:
+    """Return the mean of a quantity along the axis `name`; None if no recording has it."""
     every = [
         (each.name, axis, found)
         for each in calibrations

@@ -38,7 +38,7 @@ _ALIKE = 1e-3
 @name_last
 @dataclass(frozen=True, repr=False)
 class Trajectory(Shown):
-    """Positions of a free bead at even times, with gaps."""
+    """Positions of a free bead at even times, perhaps with gaps."""
 
     step: float
     """Time between frames, s."""
@@ -70,7 +70,7 @@ class Trajectory(Shown):
         return dataclasses.replace(self, positions=self.positions[first:])
 
     def card(self) -> Card:
-        """Number of frames and their rate."""
+        """Card with the number of frames and their rate."""
         rows = (
             Row("frames", f"{len(self.positions)}, {self.frames} of them with a position"),
             Row("rate", f"{1 / self.step:.5g} Hz"),
@@ -217,7 +217,10 @@ def diffusion(
 
 
 def _on_grid(name: str, columns: Columns) -> Trajectory:
-    """Return the trajectory of a bead in a table, with a row for each step."""
+    """Return the trajectory of a bead from the columns of a table, with NaN for missing frames.
+
+    Raises `ResultError` if the times are not multiples of an even step.
+    """
     axes = tuple(axis for axis in ("x", "y", "z") if axis in columns.columns)
     moving = tuple(axis for axis in axes if axis == axes[0] or np.nanstd(columns.columns[axis]) > 0)
     table = np.stack([columns.columns[axis] for axis in moving], axis=1)
@@ -227,7 +230,7 @@ def _on_grid(name: str, columns: Columns) -> Trajectory:
     notes = "; ".join(filter(None, [columns.note, note]))
     if len(times) < LEAST_FRAMES:
         return Trajectory(1.0, table, moving, columns.unit, notes, name=name)
-    steps = np.diff(times)
+    steps = np.diff(times)  # times between frames; `leaps` are their numbers of sampling intervals
     usual = float(np.median(steps))
     if not (steps > 0).all():
         at = 2 + int(np.argmax(steps <= 0))

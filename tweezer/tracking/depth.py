@@ -194,40 +194,30 @@ def fit_depth(
     fit: Sequence[str] = (),
     progress: Callable[[float], None] | None = None,
 ) -> DepthFit:
-    """The start in z of a bead from a track of x and y, by maximum likelihood.
+    """Return the initial z of a bead from a track of x and y, by maximum likelihood.
 
-    source: a track, or what `load_track` takes. scene: bead, medium and light; for a run of ours
-    its own if not given. noise: standard deviation of a coordinate, m; fitted if not given.
-    exposure: the time that each frame averages over, s, up to the shortest time between two; the
-    times of the track are those of its middle, and z is where the bead was when the first frame
-    began; that of the camera of a run of ours, and 0 of another track, if not given. search:
-    where the start may be, m from the focus; three quarters of the map to both sides if not given:
-    15 radii, and by waves 4 radii and 7 wavelengths in the medium, about, or up to a wall. fit:
-    what else is not known: "power", "radius", "scaling_factor" (a2 of the scaled model), "release"
-    (the time up to which the bead is held where it starts; the first frame if not fitted).
-    progress: called with the part done, 0 to 1.
+    The track is assumed to have x and y from the axis of the light, with white noise that is equal
+    in both. The scene is known except for the fitted quantities. With the scaled model (4.17) the
+    bead begins with the scene's velocity. With any other model it has no inertia (5.2), which moves
+    it by less than a camera resolves. Hydrodynamic memory is left out. It delays a bead in water,
+    so that z of the thesis's beads is found 10 to 25 nm too far from the trap, 0.1 to 0.4 standard
+    uncertainties. Beside a wall the bead has the mobilities at its position, and no inertia. The
+    force comes from the map, which reaches to 20 radii, or with wave optics to 5 radii and 10
+    wavelengths in the medium. For linear polarisation it comes from the quadrature.
 
-    Assumed of the track: x and y are from the axis of the light, the noise is white and the same in
-    both coordinates, and the scene is known but for what is fitted. The bead starts with the
-    scene's velocity if the scene's model is `scaled` (4.17); with any other it goes without inertia
-    (5.2), which moves it by less than a camera sees. The memory of the fluid is left out: it delays
-    a bead in water, so z of the thesis's beads is found 10 to 25 nm too far from the trap, 0.1 to
-    0.4 standard uncertainties. Beside a wall the bead has the mobilities of the
-    place, and no inertia. The force is that of the map, made to 20 radii, or by waves to 5 radii
-    and 10 wavelengths in the medium; of the quadrature for linear polarisation.
+    The likelihood comes from a Kalman filter (`tweezer.tracking.filter`), because thermal motion
+    accumulates and residuals about the motion without it are not independent. The filter assumes a
+    force that is linear over the spread of possible positions. If this spread exceeds about a
+    radius, as it can with the inertia of the scaled model, the likelihood means little, and the
+    statement reports it. Initial x and y are averaged over. A coordinate may be an outlier, with
+    the probability density 0.01 over the extent of the track (`Camera.outliers`).
 
-    The likelihood comes from a Kalman filter (`tweezer.tracking.filter`). Thermal motion adds up,
-    so residuals about the motion without it are not independent. The filter takes the force as
-    linear over the spread of where the bead may be; once that spread passes about a radius, as it
-    can with the inertia of the scaled model, the likelihood means little, and the statement says
-    so. x and y of the start are averaged over. A coordinate may be a number from anywhere: to its
-    density is added 0.01 over the length that the track extends over (`Camera.outliers`).
-
-    The misfit is least over what else is fitted at 81 places of the search, within its minima, and
-    at up to 80 places more where it jumps near the least by more than 7.7 from one to the next,
-    down to 1/32 of a step. It is sought from many values of what is fitted at each place, and from
-    what fits best at the places beside it, until none of these finds less
-    (`tweezer.tracking.profile`). A start that cannot be followed is impossible.
+    The misfit, -2 log(likelihood), is minimised over the other fitted quantities at 81 values of z,
+    and within its minima. Up to 80 more values are added where it jumps by more than 7.7 near its
+    smallest value, down to 1/32 of the initial distance. At each z, the search begins at many
+    values of the fitted quantities and at the best values for neighbouring z, until none of them
+    improves (`tweezer.tracking.profile`). An initial z from which no motion can be followed is
+    impossible.
 
     The confidence interval contains the starts whose misfit is less than 3.84 above the minimum
     (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938)), so it may be in several pieces or open. It does
@@ -239,10 +229,41 @@ def fit_depth(
     * The p-value is below 0.01. It tests the correlations of the residuals (G. M. Ljung and G. E.
       P. Box, Biometrika 65, 297 (1978)), and their size if the noise is given.
 
-    Raises `ResultError` for what `load_track` refuses, without a scene, for a noise, an exposure, a
-    search or a name in `fit` that is none, or that goes with no wall; `SceneError` for more than
-    one beam, and for the scaled model beside a wall; `IntegrationError` where the motion cannot be
-    followed from any start.
+    Parameters
+    ----------
+    source : Track, xarray.Dataset, str or Path
+        A track, or a source for `load_track`.
+    scene : Scene, optional
+        Bead, medium and light. Default: the scene of a run of tweezer.
+    noise : float or str, optional
+        Standard deviation of a coordinate, m. Default: fitted.
+    exposure : float or str, optional
+        Time over which each frame averages, s, at most the shortest time between two frames. Times
+        of the track are the middles of the exposures, and z applies to the beginning of the first
+        one. Default: the exposure of the camera of a run of tweezer, otherwise 0.
+    search : array_like, shape (2,), optional
+        Range of initial z, m from the focus. Default: three quarters of the map to both sides, up
+        to a wall: 15 radii, or with wave optics about 4 radii and 7 wavelengths in the medium.
+    fit : sequence of str
+        Further unknown quantities: "power", "radius", "scaling_factor" (a2 of the scaled model) and
+        "release" (the time until which the bead is held; the first frame if not fitted).
+    progress : callable, optional
+        Called with the fraction done, 0 to 1.
+
+    Returns
+    -------
+    DepthFit
+        Initial z with its confidence interval, and the other fitted quantities.
+
+    Raises
+    ------
+    ResultError
+        For a source that `load_track` refuses, without a scene, for an invalid noise, exposure,
+        search or name in `fit`, and for one that is impossible beside a wall.
+    SceneError
+        For more than one beam, and for the scaled model beside a wall.
+    IntegrationError
+        If the motion cannot be followed from any initial z.
     """
     track = source if isinstance(source, Track) else load_track(source)
     scene = track.scene if scene is None else checked_scene(scene)

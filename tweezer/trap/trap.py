@@ -472,49 +472,64 @@ def _where(place: Equilibrium) -> str:
 
 
 def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Trap:
-    """Equilibria, stiffness, escape, range and efficiencies of the trap of `scene`.
+    """Characterise the trap of a scene: equilibria, stiffness, escape forces and efficiencies.
 
-    forces: of your own, beside those of the scene (`tweezer.forces`), at the time 0 on a bead that
-    is not turned. Equilibria are then sought near the axis of each beam, and no rings. Efficiencies
-    stay those of the light alone. Raises `ForceError` where such a force goes wrong.
+    The force is the sum of the light's (3.26), computed by the scene's evaluator, the weight (2.11,
+    2.12) and the force of a wall, as far as `scene.forces` includes them. Drag and thermal motion
+    are left out, and so is contact: a position where a bead rests on a wall is no equilibrium, and
+    lines end where the bead would touch the wall.
 
-    The force is that of the scene's light (3.26), by the scene's own evaluator, of its weight
-    (2.11, 2.12) and of a wall, as far as `scene.forces` has them. Drag and thermal motion play no
-    part, nor does contact: a place where a bead rests on a wall is no equilibrium, and lines end
-    where it would touch.
-
-    Half a turn about the beam's axis leaves every light a scene can have as it is, so on the axis
-    the force is along it. Equilibria are sought there, within `Trap.reach` of the focus. That is 20
-    radii by rays, and 5 radii and 10 wavelengths in the medium by waves. It is at least five times
-    the distance at which the light is as wide as the bead, by waves with five depths of focus
-    more. If light carries the weight, the search extends to `simulation.loss_distance`. If no
-    equilibrium near the focus is stable, the search includes rings in the bright region around the
-    axis. In light without rotational symmetry it includes positions off the axis. `Trap.searched`
-    describes the search. For several beams, or a beam that moves, equilibria are searched near the
-    axis of each beam, at time 0.
+    Every light of a scene is unchanged by half a turn about the beam's axis, so that the force on
+    the axis is along it. Equilibria are searched there, within `Trap.reach` of the focus. This is
+    20 radii with ray optics, and 5 radii and 10 wavelengths in the medium with wave optics. It is
+    at least five times the distance at which the light is as wide as the bead, with wave optics
+    five depths of focus more. If light carries the weight, the search extends to
+    `simulation.loss_distance`. If no equilibrium near the focus is stable, the search includes
+    rings in the bright region around the axis. In light without rotational symmetry it includes
+    positions off the axis. `Trap.searched` describes the search. For several beams, or a beam that
+    moves, equilibria are searched near the axis of each beam, at time 0.
 
     An equilibrium is stable if the linear motion with the inertia of the scene's model decays:
-    `Equilibrium.spiral_rate`. The force beside the place must pull back too, since the jumps of the
-    sum over a grid are not in its derivative. The stiffness is not symmetric in circular
-    light, which pushes a bead off the axis round it: `Equilibrium.turn`.
+    `Equilibrium.spiral_rate`. The force beside it must pull back too, because jumps of the sum over
+    a grid of rays do not appear in its derivative. In circularly polarised light, which pushes a
+    bead off the axis round it, the stiffness is not symmetric: `Equilibrium.turn`.
 
-    Escape is along straight lines from the stable equilibrium nearest the focus, and counts the
-    component of the force along the line: a bead held on that line. It ends where the component
-    changes sign or the light ends. Against the light it need not end: light that meets a bead
-    before the focus drives it on to the trap from any distance, by a force that falls with the
-    distance squared. The range is then None, and work counts over `Trap.reach`. It is work on that
-    line and no height of a barrier, for work between two places depends on the way.
+    Escape is along straight lines from the stable equilibrium nearest the focus. Only the component
+    of the force along the line counts, as for a bead that is kept on it. The escape ends where this
+    component changes sign or the light ends. Against the light it may not end: light that meets a
+    bead before the focus drives it to the trap from any distance, by a force that decreases with
+    the distance squared. The range is then None, and the work is that over `Trap.reach`. It is no
+    barrier height, because the work between two positions depends on the path.
 
-    Lines are sampled about every 0.02 radii, and by waves every twentieth of a wavelength in the
-    medium; far from the focus the distance of samples grows with the distance. Zeros are found by
-    Brent's method, to 1e-14 radii. It keeps to a change of sign, so that it works also where the
-    sum over a grid of rays jumps. Maxima are refined by finer and finer samples, to 5e-7 of the
-    distance of the first. Work is integrated by the rules of Gauss and Kronrod on panels that are
-    halved to 1e-7, or to `Escape.energy_error` where jumps hinder it.
+    Lines are sampled about every 0.02 radii, and with wave optics every twentieth of a wavelength
+    in the medium; far from the focus the distance of samples grows. Zeros are found by Brent's
+    method, to 1e-14 radii, which brackets a change of sign and so also works where the sum over a
+    grid of rays jumps. Maxima are refined to 5e-7 of the distance of samples. Work is integrated by
+    the rules of Gauss and Kronrod on panels that are halved until the error is 1e-7, or
+    `Escape.energy_error` where jumps hinder it.
 
-    The force is linear in the power of one beam: what it is on lines through the focus is kept for
-    the next scene of the same light (`tweezer.optics.sampled`). Scenes that differ in the power
-    alone are characterised fastest one after the other.
+    The force is linear in the power of one beam, so its values on lines through the focus are kept
+    for the next scene with the same light (`tweezer.optics.sampled`). Scenes that differ only in
+    their power are characterised fastest in succession.
+
+    Parameters
+    ----------
+    scene : Scene, str or mapping
+        Bead, medium, lens and beams.
+    forces : sequence of Force or str
+        The user's own forces, beside those of the scene (`tweezer.forces`), taken at time 0 on a
+        bead that is not rotated. Equilibria are then searched near the axis of each beam, and rings
+        are not. Efficiencies remain those of the light alone.
+
+    Returns
+    -------
+    Trap
+        The trap, with `equilibrium` None if no position holds the bead.
+
+    Raises
+    ------
+    ForceError
+        If one of the user's own forces is invalid.
     """
     problem = bound_once(scene, forces)
     scene = problem.scene
@@ -524,6 +539,7 @@ def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Tra
     weight = np.array(problem.bead.weight)
 
     def net_force(points: Array) -> Array:
+        """Return the sum of all forces, (n, 3) N, at points (n, 3), m; keep the largest error."""
         nonlocal others_error
         of_walls = (each.field(points).force for each in problem.walls_apart)
         total, error = sum(of_walls, light_force(points) + weight), np.zeros(len(points))
