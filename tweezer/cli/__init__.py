@@ -86,7 +86,7 @@ def main() -> None:
 
 
 def _interrupt_again(unraisable: Any) -> None:
-    """Interrupt once more where Python ignores it, as in the callbacks of Numba's compiler."""
+    """Repeat an interrupt that Python has ignored, as in callbacks of Numba's compiler."""
     if unraisable.exc_type is KeyboardInterrupt:
         threading.Timer(_ONCE_MORE, _thread.interrupt_main).start()
     else:

@@ -1,4 +1,4 @@
-"""The application that commands belong to, and what several of them take."""
+"""The application to which commands belong, and the arguments that several of them share."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class _Commands(typer.core.TyperGroup):
         )
 
     def make_context(self, *arguments: Any, **options: Any) -> Any:
-        """Read the line of the command."""
+        """Parse the arguments of a command."""
         with telling_interrupt(), importing():
             return super().make_context(*arguments, **options)
 
@@ -129,7 +129,8 @@ def scene_with(scene: str | Scene, settings: dict[str, str]) -> Scene:
 
 
 def settings_of(changes: list[str], **simulation: str | None) -> dict[str, str]:
-    """Values by key, of `--set` and of options that name a key of the simulation.
+    """Return the values by key from `--set` and from options that stand for a key of the
+    simulation.
 
     Raises `SceneError` for a key that is given twice.
     """
@@ -148,9 +149,9 @@ def settings_of(changes: list[str], **simulation: str | None) -> dict[str, str]:
 
 
 def with_thermal_motion(scene: str | Scene, settings: dict[str, str]) -> Scene:
-    """Return a scene with settings and thermal motion, by a map of the force where it can have one.
+    """Return a scene with settings and thermal motion, with the force from a map if possible.
 
-    A map is chosen only where the scene leaves the evaluator open.
+    A map is used only if the scene does not choose an evaluator and its light has the symmetry.
     """
     thermal, by_map = scene_with(scene, {"forces.brownian": "true"} | settings), EVALUATORS["map"]
     if thermal.optics.evaluator == "auto" and thermal.allows(by_map):
@@ -173,7 +174,7 @@ def bind_light(scene: Scene) -> None:
 
 
 def map_of(scene: Scene) -> Map:
-    """The map of the force of a scene, made with a progress bar if it is not there."""
+    """Return the force map of a scene, made with a progress bar if it is not in the cache."""
     with showing_progress(f"map of {scene.name}", 1.0) as progress:
         from tweezer.optics import force_map
 
@@ -181,7 +182,10 @@ def map_of(scene: Scene) -> Map:
 
 
 def quantity_in(option: str, text: str, annotation: object) -> float:
-    """`text` of `option` as a quantity of type `annotation`: with a unit, or a number in SI."""
+    """Return the text of an option as a quantity in SI units, of the type `annotation`.
+
+    Raises `SceneError` if it is not valid; warns of a bare number that is unusual.
+    """
     from tweezer.values.units import bare, quantity_of, to_si
 
     quantity = quantity_of(annotation)

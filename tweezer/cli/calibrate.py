@@ -186,12 +186,12 @@ def calibrate(
 
 
 class _Focuses(NamedTuple):
-    """Positions of the focus above a wall."""
+    """Positions of the focus above a wall, and the bead's shift with it."""
 
     positions: list[float]
     """m, one for each recording; none without --focus"""
     shift: float | None
-    """by how much the bead moves with it; None if that is fitted"""
+    """displacement of the bead for a unit displacement of the focus; None if it is fitted"""
 
 
 def _masses(given: dict[str, float]) -> dict[str, float]:
@@ -346,7 +346,7 @@ def _print_tracks(free: Diffusion, tracks: list[Trajectory], few: ResultError | 
 
 
 def _focuses(focus: str | None, shift: str | None, recordings: int) -> _Focuses:
-    """Return the positions of the focus in that number of recordings."""
+    """Return the positions of the focus, one for each of that many recordings."""
     from tweezer.values.units import Length, bare
 
     if focus is None:
@@ -366,9 +366,9 @@ def _focuses(focus: str | None, shift: str | None, recordings: int) -> _Focuses:
 
 
 def _check_known(loaded: Recording, given: dict[str, float], beside: list[str]) -> None:
-    """Refuse what does not go together, or with that recording.
+    """Refuse options that contradict each other, or a recording, or require further options.
 
-    beside: options of a wall that are given.
+    given: quantities by option. beside: options of a wall that are given.
     """
     for option in beside:
         if loaded.scene is not None:

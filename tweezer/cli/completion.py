@@ -1,6 +1,6 @@
-"""What the shell completes: scenes, keys of scenes with their values, and names.
+"""Completions by the shell: scenes, keys of scenes with their values, and other names.
 
-A shell asks at each press of a key, so that only the keys of scenes load what scenes need.
+A shell asks at each press of a key, so only completions of keys import what scenes need.
 """
 
 from __future__ import annotations
@@ -20,21 +20,22 @@ _SHIPPED = Path(__file__).parents[1] / "scenes"
 
 
 def complete_scene(incomplete: str) -> list[str]:
-    """Shipped scenes, TOML files here, and folders, which may have some."""
+    """Return the shipped scenes, TOML files and folders that begin with a text."""
     return [*_shipped(incomplete), *_files(incomplete, (".toml",))]
 
 
 def complete_shown(incomplete: str) -> list[str]:
-    """Scenes, and files of results."""
+    """Return the scenes, files of results and folders that begin with a text."""
     return [*_shipped(incomplete), *_files(incomplete, (".toml", *RESULTS, SAVED_TRAP))]
 
 
 def _shipped(incomplete: str) -> list[str]:
+    """Return the names of shipped scenes that begin with a text."""
     return sorted(path.stem for path in _SHIPPED.glob("*.toml") if path.stem.startswith(incomplete))
 
 
 def _files(incomplete: str, suffixes: tuple[str, ...]) -> list[str]:
-    """Files of these types in the folder that is typed, and then its folders."""
+    """Return files with these endings, then folders, in the folder that the text names."""
     before = incomplete.rpartition("/")[0] + "/" if "/" in incomplete else ""
     try:
         here = sorted(path for path in Path(before).iterdir() if path.name[0] != ".")
@@ -48,9 +49,9 @@ def _files(incomplete: str, suffixes: tuple[str, ...]) -> list[str]:
 
 
 def answer_bash(app: Callable[..., None]) -> None:
-    """Let the application print its completions; those of KEY=VALUE without the KEY=.
+    """Print the completions of the application for Bash; those of KEY=VALUE without "KEY=".
 
-    Bash parts the word at the cursor into KEY = VALUE, and replaces what is behind the = alone.
+    Bash splits the word at the cursor into KEY, = and VALUE, and replaces only the part after "=".
     """
     asked, before = os.environ.get("COMP_WORDS", ""), ""
     if parted := re.search(r"(\S+)\s=(?:\s(\S*))?$", asked):
@@ -66,7 +67,9 @@ def answer_bash(app: Callable[..., None]) -> None:
 
 
 def complete_setting(incomplete: str) -> list[str]:
-    """KEY= of the keys of a scene; KEY=VALUE where the key is told and has a few values."""
+    """Return "KEY=" for keys that begin with a text; "KEY=VALUE" if the key is complete and has
+    choices.
+    """
     from tweezer.scene import settable
 
     keys = settable()
@@ -78,17 +81,18 @@ def complete_setting(incomplete: str) -> list[str]:
 
 
 def complete_key(incomplete: str) -> list[str]:
-    """Keys of a scene."""
+    """Return the keys of a scene that begin with a text."""
     from tweezer.scene import settable
 
     return [each for each in settable() if each.startswith(incomplete)]
 
 
 def among(names: Iterable[str]) -> Callable[[str], list[str]]:
-    """The completion by some names; spaces within them become hyphens, which shells do not part."""
+    """Return a completion by these names, with hyphens for spaces, at which shells split words."""
     offered = [name.replace(" ", "-") for name in names]
 
     def complete(incomplete: str) -> list[str]:
+        """Return the names that begin with a text."""
         return [name for name in offered if name.startswith(incomplete)]
 
     return complete

@@ -1,4 +1,4 @@
-"""Where words and files go: terminal, warnings, progress, names that can be written."""
+"""Output of commands: terminal, warnings, progress, and checks of the files to be written."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def _console(*, stderr: bool) -> Console:
-    """Console that prints text literally: names of files and scenes may hold brackets or colons."""
+    """Return a console that prints text literally, because names may contain brackets or colons."""
     console = Console(stderr=stderr, markup=False, emoji=False)
     if console.width < 1:  # COLUMNS=0
         console.width = 80
@@ -43,21 +43,21 @@ _awaited: dict[Path, dict[Path, int]] = {}
 
 
 def _state(path: Path) -> dict[Path, int]:
-    """When a file, or each file in a folder, was last changed, ns."""
+    """Return when a file, or each file in a folder, was last changed, ns."""
     files = path.iterdir() if path.is_dir() else [path]
     return {each: each.stat().st_mtime_ns for each in files if each.is_file()}
 
 
 def awaited(path: Path) -> Path:
-    """`path`, of which an interrupt says whether it was written."""
+    """Register a path, so that an interrupt reports whether it was written; return it."""
     _awaited[path] = _state(path)
     return path
 
 
 def writable(path: Path, formats: tuple[str, ...]) -> Path:
-    """`path`; refused before any computation if it cannot be written.
+    """Return `path`, or raise `ResultError` before any computation if it cannot be written.
 
-    With `STANDARD_OUTPUT` the command prints only its file.
+    With `STANDARD_OUTPUT` the command prints only its file. formats: allowed endings.
     """
     check_ending(path, formats)
     if path == STANDARD_OUTPUT:
@@ -123,7 +123,10 @@ def _no_figure(path: Path) -> str:
 
 @contextlib.contextmanager
 def importing() -> Iterator[None]:
-    """Context of imports: Python looks for no garbage among their objects, then or later."""
+    """Return a context for imports in which Python searches no garbage, to save time.
+
+    Objects made in it are never searched later.
+    """
     gc.disable()
     try:
         yield
@@ -134,7 +137,7 @@ def importing() -> Iterator[None]:
 
 @contextlib.contextmanager
 def telling_interrupt() -> Iterator[None]:
-    """Context of a command: an interrupt ends it with what was written and what is kept."""
+    """Return a context for a command: an interrupt ends it with a message on what was written."""
     _awaited.clear()
     OUT.quiet = False
     try:
@@ -145,7 +148,7 @@ def telling_interrupt() -> Iterator[None]:
 
 
 def tell_interrupted() -> None:
-    """Say in one line what an interrupted command has written, and what is kept."""
+    """Print in one line what an interrupted command has written, and what is kept."""
     written = [str(path) for path, before in _awaited.items() if _state(path) != before]
     told = f"wrote {' and '.join(written)}" if written else "nothing was written"
     compiling = sys.modules.get("tweezer.compiled.compiling")  # of a command that came so far
@@ -158,9 +161,10 @@ def tell_interrupted() -> None:
 def showing_progress(
     description: str, total: float, afterwards: str = ""
 ) -> Iterator[Callable[[float], None]]:
-    """Context with a progress bar and the notice of compilation; yields the callback for progress.
+    """Return a context with a progress bar and notices of compilation; it yields the callback.
 
-    afterwards: what remains to be done when `total` is reached.
+    The callback takes the progress reached, from 0 to `total`. afterwards: work that remains when
+    `total` is reached.
     """
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -179,10 +183,12 @@ def showing_progress(
         doing = description
 
         def say(compiling: Compilation) -> None:
+            """Show that functions are being compiled."""
             spent = f"compiling, once: {compiling.seconds:.0f} s so far"
             progress.update(task, description=f"{doing} ({spent})", refresh=True)
 
         def reach(reached: float) -> None:
+            """Show the progress reached."""
             nonlocal doing
             if afterwards and reached >= total:
                 doing = f"{description}: {afterwards}"
@@ -193,7 +199,7 @@ def showing_progress(
 
 
 def tell_written(*paths: Path | None) -> None:
-    """Say which files were written."""
+    """Print which files were written."""
     written = " and ".join(str(path) for path in paths if path)
     if written:
         OUT.print(f"wrote {written}", highlight=False, soft_wrap=True)
@@ -216,10 +222,10 @@ def write_figure(figure: Figure, path: Path) -> None:
 
 
 def complain(text: str) -> None:
-    """Say in red what is wrong."""
+    """Print an error in red."""
     ERR.print(text, style="red", highlight=False, soft_wrap=True)
 
 
 def show_warning(message: Warning | str, *_: object) -> None:
-    """Say a warning in yellow."""
+    """Print a warning in yellow."""
     ERR.print(f"warning: {message}", style="yellow", highlight=False, soft_wrap=True)

@@ -110,6 +110,7 @@ def ensemble(
 
 
 def _print_ensemble(scene: Scene, result: xr.Dataset) -> None:
+    """Print how many beads were lost, means and spreads, and how the ensemble was computed."""
     attributes = result.attrs
     table = table_of(scene.name, "")
     done = attributes["trajectories_done"]

@@ -18,9 +18,10 @@ FOLDER = Path(__file__).parents[1] / "examples"
 
 
 class Example(NamedTuple):
-    """A shipped recording."""
+    """A shipped recording, and a command to try with it."""
 
     about: str
+    """description in a line"""
     command: str
     """what to try with it"""
 

@@ -1,4 +1,4 @@
-"""The commands info and cache: what tweezer runs on, and what it has kept."""
+"""The commands info and cache: the system that tweezer runs on, and its cached files."""
 
 from __future__ import annotations
 
@@ -32,15 +32,16 @@ _LEFT_OVER = 86400.0
 
 
 class _Cache(NamedTuple):
-    """Files of one kind."""
+    """Cached files of one kind."""
 
     name: str
     folders: list[Path]
+    """folders that contain them"""
     files: list[Path]
 
     @property
     def size(self) -> int:
-        """Bytes of all files that are there."""
+        """Size of all files that exist, bytes."""
         return sum(_size(each) for each in self.files)
 
 
@@ -109,7 +110,7 @@ def cache(
 
 
 def _caches() -> list[_Cache]:
-    """What is kept: files that others are writing, and their locks, are not among it."""
+    """Return the cached files by kind, without those that others are writing and their locks."""
     with ERR.status("looking"):
         from tweezer.compiled.folders import UNFINISHED, is_own, kept
         from tweezer.optics.table import tables_folder
@@ -137,7 +138,7 @@ def _caches() -> list[_Cache]:
 
 
 def _finished(path: Path, unfinished: re.Pattern[str]) -> bool:
-    """Whether no other process can be writing it."""
+    """Return whether no other process can be writing a file. unfinished: pattern of names."""
     if not unfinished.fullmatch(path.name):
         return True
     try:
@@ -147,6 +148,7 @@ def _finished(path: Path, unfinished: re.Pattern[str]) -> bool:
 
 
 def _size(path: Path) -> int:
+    """Return the size of a file, bytes; 0 if it cannot be read."""
     try:
         return path.stat().st_size
     except OSError:
@@ -154,7 +156,7 @@ def _size(path: Path) -> int:
 
 
 def _facts() -> dict[str, Any]:
-    """What a report of a fault needs, in the order in which it is read."""
+    """Return what a report of a fault needs, by name, in the order in which it is read."""
     from tweezer.values.version import __version__
 
     caches = {
@@ -186,6 +188,7 @@ def _facts() -> dict[str, Any]:
 
 
 def _version(package: str) -> str | None:
+    """Return the installed version of a package; None if it is not installed."""
     try:
         return metadata.version(package)
     except metadata.PackageNotFoundError:
@@ -193,7 +196,7 @@ def _version(package: str) -> str | None:
 
 
 def _extras() -> dict[str, bool]:
-    """Whether all packages of an extra are installed."""
+    """Return, for each extra of tweezer, whether all of its packages are installed."""
     try:
         of_tweezer = metadata.metadata("tweezer")
     except metadata.PackageNotFoundError:  # a folder that was never installed
@@ -212,7 +215,7 @@ def _extras() -> dict[str, bool]:
 
 
 def _cores() -> int | None:
-    """Number of cores that this process may use."""
+    """Return the number of cores that this process may use."""
     try:
         return len(os.sched_getaffinity(0))
     except AttributeError:  # of Linux only
@@ -220,7 +223,7 @@ def _cores() -> int | None:
 
 
 def _memory() -> float | None:
-    """Memory of the machine, GB; None where the system does not say it."""
+    """Return the memory of the machine, GB; None if the system does not report it."""
     try:
         return round(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e9, 1)
     except (AttributeError, ValueError, OSError):
@@ -228,7 +231,7 @@ def _memory() -> float | None:
 
 
 def _browser() -> str | None:
-    """Name of the browser that pages open in; None if there is none."""
+    """Return the name of the browser in which pages open; None if there is none."""
     import webbrowser
 
     try:
@@ -239,7 +242,7 @@ def _browser() -> str | None:
 
 
 def _films() -> str:
-    """Whether `tweezer view --movie` finds what it needs."""
+    """Return "yes" if `tweezer view --movie` can work, or what it lacks."""
     from tweezer.viewing.movie import programs
 
     try:
@@ -250,7 +253,7 @@ def _films() -> str:
 
 
 def _without_user(path: Path) -> str:
-    """A path that names neither the home folder nor its user."""
+    """Return a path without the names of the home folder and its user, for public reports."""
     try:
         user = getpass.getuser()
     except (OSError, KeyError, ImportError):  # a number without a name
@@ -263,11 +266,12 @@ def _without_user(path: Path) -> str:
 
 
 def _megabytes(size: int) -> str:
+    """Return a size in bytes as text in MB."""
     return f"{size / 1e6:.2g} MB" if size else "0 MB"
 
 
 def _common(folders: list[str]) -> str:
-    """The one folder, or the one that several are in."""
+    """Return the one folder, or the number of folders and the folder that contains all."""
     if not folders:
         return "none yet"
     if len(folders) == 1:
@@ -279,7 +283,7 @@ def _common(folders: list[str]) -> str:
 
 
 def _in_words(value: Any) -> str:
-    """A value of `_facts`."""
+    """Return a value of `_facts` as text."""
     if value is None:
         return "not known"
     if isinstance(value, bool):

@@ -1,4 +1,4 @@
-"""The command new: questions about an experiment, and the scene file that the answers give."""
+"""The command new: it asks about an experiment, and writes a scene file from the answers."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ QUESTIONS = {
 
 
 class _NearlyError(SceneError):
-    """An answer that is no choice, but close to one."""
+    """Error for an answer that is no choice but close to one, `choice`."""
 
     def __init__(self, message: str, choice: str) -> None:
         super().__init__(message)
@@ -59,7 +59,7 @@ class _NearlyError(SceneError):
 
 
 class _Experiment(NamedTuple):
-    """The answers, in SI."""
+    """Answers to the questions about an experiment, in SI units."""
 
     material: Material
     diameter: float
@@ -143,7 +143,7 @@ def new(
 
 
 def _asks() -> bool:
-    """Whether there is somebody to ask."""
+    """Return whether questions can be asked: both input and output are a terminal."""
     return sys.stdin.isatty() and sys.stdout.isatty()
 
 
@@ -204,19 +204,23 @@ def _named(option: str, text: str, names: Mapping[str, Iterable[str]]) -> str:
 
 
 def _folded(text: str) -> str:
+    """Return a text for comparison: small letters without spaces and signs, and 1.30 as 1.3."""
     return re.sub(r"(?<=\.[0-9])0|[\s_/-]", "", text.lower())  # 1.3 is 1.30
 
 
 def _material(text: str) -> Material:
+    """Return the material with this name, or another word for it."""
     names = {name: each.aliases for name, each in materials().items()}
     return materials()[_named("bead", text, names)]
 
 
 def _objective(text: str) -> Objective:
+    """Return the objective with this name."""
     return OBJECTIVES[_named("objective", text, dict.fromkeys(OBJECTIVES, ()))]
 
 
 def _diameter(text: str) -> float:
+    """Return a diameter of a bead, m, from text."""
     from tweezer.values.units import BEAD_RADIUS, Quantity
 
     low, high = BEAD_RADIUS
@@ -224,7 +228,11 @@ def _diameter(text: str) -> float:
 
 
 def _wavelength(text: str, material: Material) -> float:
-    """That of a laser of the list, with or without its unit, or another."""
+    """Return a vacuum wavelength, m, from the name of a laser, with or without "nm", or another
+    length.
+
+    Raises `SceneError` unless the indices of material and water are known there.
+    """
     from tweezer.scene.water import WAVELENGTHS
     from tweezer.values.units import PositiveLength
 
@@ -243,6 +251,7 @@ def _wavelength(text: str, material: Material) -> float:
 
 
 def _power(text: str) -> float:
+    """Return a positive power, W, from text."""
     from tweezer.values.units import Power
 
     found = quantity_in("--power", text, Power)
@@ -252,6 +261,10 @@ def _power(text: str) -> float:
 
 
 def _depth(text: str, objective: Objective, diameter: float) -> float | None:
+    """Return the depth of the focus behind the cover glass, m, from text; None for "none".
+
+    Raises `SceneError` for a bead that would touch the glass, and for "none" with oil immersion.
+    """
     from tweezer.values.units import PositiveLength
 
     if _folded(text) == "none":
@@ -281,6 +294,7 @@ def _numbered(
 
 
 def _of_materials() -> tuple[Table, list[str]]:
+    """Return the table of materials and their names in order."""
     rows = {
         each.name: (_index(each.refractive_index(1.064e-6)), each.cited)
         for each in materials().values()
@@ -289,6 +303,7 @@ def _of_materials() -> tuple[Table, list[str]]:
 
 
 def _of_objectives() -> tuple[Table, list[str]]:
+    """Return the table of objectives and their names in order."""
     rows = {
         each.name: (_millimetres(each.pupil_radius), each.example) for each in OBJECTIVES.values()
     }
@@ -296,29 +311,33 @@ def _of_objectives() -> tuple[Table, list[str]]:
 
 
 def _of_lasers() -> tuple[Table, list[str]]:
+    """Return the table of lasers and their names in order."""
     return _numbered(("laser", "kind"), {each.name: (each.kind,) for each in LASERS.values()})
 
 
 def _index(index: complex) -> str:
+    """Return a refractive index as text: real, or complex for a material that absorbs."""
     return f"{index.real:.4g}" if index.imag == 0 else f"{index.real:.3g}+{index.imag:.3g}j"
 
 
 def _in_toml(index: complex) -> str:
+    """Return a refractive index as a value of TOML; a complex one is text."""
     return _index(index) if index.imag == 0 else f'"{_index(index)}"'
 
 
 def _usual(value: float, unit: str) -> str:
-    """A length or a power in its usual unit."""
+    """Return a length or a power in SI units as text in its usual unit."""
     size, name = usual_unit(value, unit)
     return f"{value / size:.6g} {name}"
 
 
 def _millimetres(metres: float) -> str:
+    """Return a length, m, as text in mm."""
     return printed(metres, "mm", 3)
 
 
 def scene_text(of: _Experiment) -> str:
-    """The scene file of an experiment, with a comment at each key."""
+    """Return the text of the scene file of an experiment, with a comment at each key."""
     lens, size, light = of.objective, _usual(of.diameter, "m"), printed(of.wavelength, "nm", 6)
     index, pupil = of.material.refractive_index(of.wavelength), _millimetres(lens.pupil_radius)
     tube = f"{printed(lens.tube_lens, 'mm', 6)}/{lens.magnification:g}"
@@ -370,13 +389,15 @@ duration = "{round(duration / digits) * digits:g} ms"
 
 
 def _time_to_settle(of: _Experiment) -> float:
-    """Time, s, within which a bead that is held comes to rest: roughly, and rather too long.
+    """Return a rough upper estimate of the time in which a trapped bead comes to rest, s.
 
-    Of a small bead seven relaxation times along the light, drag over the stiffness of Rayleigh's
-    gradient force (Harada and Asakura, Opt. Commun. 124, 529, 1996) in a Gaussian focus of waist w:
-    8 n P a^3 K/(c w^2 z_R^2), with z_R = pi n w^2/lambda and K of Clausius and Mossotti. A large
-    bead's stiffness goes as 1/a. Behind a cover the trap is some quarter of the depth before the
-    nominal focus, in weaker light. The factors are from runs.
+    A small bead takes seven relaxation times along the light: drag over the stiffness of the
+    gradient force in the Rayleigh regime (Harada and Asakura, Opt. Commun. 124, 529, 1996), which
+    in a Gaussian focus is 8 n P a^3 K/(c w^2 z_R^2). Here n is the index of water, P the power, a
+    the radius of the bead, K its Clausius-Mossotti factor, c the speed of light, w the waist and
+    z_R = pi n w^2/lambda. A large bead's stiffness decreases as 1/a. Behind a cover the trap is
+    about a quarter of the depth before the nominal focus, in weaker light. The factors are from
+    runs.
     """
     n, a, power = _WATER, of.diameter / 2, of.power
     permittivity = (of.material.refractive_index(of.wavelength) / n) ** 2
@@ -391,7 +412,10 @@ def _time_to_settle(of: _Experiment) -> float:
 
 
 def _behind_glass(of: _Experiment) -> str:
-    """The cover glass at that depth, if any: a wall, and for oil a face that light passes."""
+    """Return the part of a scene file for a cover glass at the depth, if any.
+
+    It is a wall, and for oil immersion also a face that the light passes.
+    """
     if of.depth is None:
         return ""
     depth = _usual(of.depth, "m")

@@ -78,6 +78,7 @@ def warmup(
 
 
 def _print_map(scene: Scene, made: Map) -> None:
+    """Print the range, error and size of a force map."""
     table = table_of(scene.name, "")
     table.add_row("largest force", printed(made.largest_force, "pN"))
     part = made.certified_error / made.largest_force if made.largest_force else 0.0

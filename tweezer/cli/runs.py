@@ -233,7 +233,7 @@ def _obstacle(out: Path, scene: Scene, seed: int | None, continued: str, forces_
 
 
 def _beside(out: Path, figure: Path | None) -> tuple[Path, Path | None]:
-    """The same names with the first number that makes them unused."""
+    """Return the names of output and figure with the first number that makes both unused."""
     for number in itertools.count(2):
         new = _numbered(out, number), figure and _numbered(figure, number)
         if not any(path and path.exists() for path in new):
@@ -242,6 +242,7 @@ def _beside(out: Path, figure: Path | None) -> tuple[Path, Path | None]:
 
 
 def _numbered(path: Path, number: int) -> Path:
+    """Return a path with a number at the end of its stem: run-2.nc for run.nc."""
     return path.with_stem(f"{path.stem}-{number}")
 
 
@@ -270,6 +271,7 @@ def followed_with_progress(
         run, find_errors = motion_of(scene, seed, forces, progress=progress, going_on=going_on)
 
     def with_progress() -> None:
+        """Compute the errors of the run, with a progress bar."""
         with (
             showing_progress(f"{scene.name}: errors", 1.0),
             warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said before
@@ -280,6 +282,7 @@ def followed_with_progress(
 
 
 def _print_summary(scene: Scene, result: Run) -> None:
+    """Print the outcome of a run, and how it was computed."""
     from tweezer.runs.summary import summary_of
 
     summary = summary_of(result)
@@ -348,4 +351,5 @@ def _up_to(error: float, summary: Summary) -> str:
 
 
 def _where(summary: Summary) -> str:
+    """Return " at the samples" for a summary from samples alone, else ""."""
     return " at the samples" if summary.by_samples else ""

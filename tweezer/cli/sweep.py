@@ -128,7 +128,7 @@ def sweep(
 
 
 def _check_drawn(over: list[str], cases: Path | None) -> None:
-    """Raises `ResultError` for a sweep that has no figure, before it is computed."""
+    """Raise `ResultError` for a sweep that has no figure, before it is computed."""
     from tweezer.plots.sweeps import drawn_over
     from tweezer.sweeps.cases import cases_of, read_over
 
@@ -138,7 +138,7 @@ def _check_drawn(over: list[str], cases: Path | None) -> None:
 
 
 def _print_sweep(name: str, result: xr.Dataset) -> None:
-    """How many cases there are of each outcome, and why some failed."""
+    """Print the number of cases with each outcome, and why some failed."""
     from tweezer.sweeps.quantities import FAILED
 
     table = table_of(name, "")

@@ -1,4 +1,4 @@
-"""Tables, and numbers in them."""
+"""Tables of results in a terminal."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
 
 def add_light(table: RichTable, scene: Scene) -> None:
-    """Add the theory of the light, why it is that one, and what ray optics is worth."""
+    """Add rows on the theory of the light, the reason for it, and the validity of ray optics."""
     from tweezer.optics import rows_of_light
 
     add_rows(table, rows_of_light(scene))
 
 
 def add_rows(table: RichTable, rows: Iterable[Row]) -> None:
-    """Add rows of a result, each with what speaks against it."""
+    """Add rows of a result, each with its caveat."""
     for row in rows:
         table.add_row(row.name, row.told)
 
@@ -58,7 +58,7 @@ def print_parts(parts: Iterable[Table | str]) -> None:
 
 
 def table_of(*headings: str) -> RichTable:
-    """An empty table with these headings."""
+    """Return an empty table with these headings."""
     from rich import box
     from rich.table import Table as RichTable
 

@@ -109,7 +109,11 @@ def trap(
 def _trap_over(
     scene: Scene, ends: tuple[str, str], count: int, out: Path | None, plot: Path | None
 ) -> None:
-    """The trap over heights: table, file, figure; of an interrupted one what was reached."""
+    """Compute the trap over heights of the focus; print, write and draw it.
+
+    If it is interrupted, the heights reached so far are printed and written. ends: lowest and
+    highest.
+    """
     from tweezer.optics import ray_optics_caveat
     from tweezer.values.units import PositiveLength
 
@@ -197,7 +201,7 @@ def tune(
 
 
 def _print_heights(found: xr.Dataset) -> None:
-    """A row for each height."""
+    """Print a table of the trap with a row for each height."""
     rows = [
         ["height, um", "equilibrium, um", "gap, um", "stiffness (x, y, z), pN/um",
          "drag across, along, times", "corner frequencies, Hz"]

@@ -96,7 +96,7 @@ _SIGN, _HEAD = b'<meta name="generator" content="tweezer ', 4096
 
 
 def _obstacle(out: Path) -> str:
-    """Why a page must not replace the file at `out`; "" if that is a page too."""
+    """Return why a page must not replace the file at `out`; "" if that is a page too."""
     with contextlib.suppress(OSError), out.open("rb") as file:
         if _SIGN in file.read(_HEAD):
             return ""
@@ -104,7 +104,7 @@ def _obstacle(out: Path) -> str:
 
 
 def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
-    """The page of a result or a scene, and the exit code: of a run that ended early its own."""
+    """Return the page of a result or scene, and the exit code, that of a run that ended early."""
     if Path(name).suffix in (*RESULTS, SAVED_TRAP):
         if changes or trap:
             given = "--trap" if trap else "--set"

@@ -1,4 +1,4 @@
-"""Compiling ahead what scenes need, by doing for a moment what their users will do."""
+"""Compilation ahead of what scenes need, by brief runs of what their users will compute."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ _MOMENT = 1e-8
 
 
 def usual_scenes(scene: Scene) -> list[Scene]:
-    """A shipped scene, and what users change in it: thermal motion by the map.
+    """Return a shipped scene with its usual variants: thermal motion with the force from a map.
 
-    A scene with the thesis's grid is the thesis's own: beside it is also what `tweezer reproduce`
-    runs, with the moment (3.25), which turns the bead. Its motion by the map is not scaled.
+    A scene with the thesis's grid also has the variant with the moment (3.25) that `tweezer
+    reproduce` runs, in which the bead turns. Its thermal motion by the map is unscaled.
     """
     thermal = {"forces": {"brownian": True}, "optics": {"evaluator": "map"}}
     if scene.optics.evaluator != "grid":
@@ -38,9 +38,9 @@ def usual_scenes(scene: Scene) -> list[Scene]:
 
 
 def warm_up(scene: Scene) -> None:
-    """Compile what runs, ensembles, traps and fits of the depth of `scene` need, unless it is.
+    """Compile what runs, ensembles, traps and fits of a scene need, unless it is compiled.
 
-    Of a scene that reads its force from a map, also make that, unless it is made.
+    A scene that reads its force from a map also gets the map, unless it exists.
     """
     with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
         one_beam = scene.with_one_beam(scene.beam)

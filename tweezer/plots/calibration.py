@@ -1,4 +1,4 @@
-"""The figure of a calibration: the recording, and what its estimates fit."""
+"""The figure of a calibration: the recording, and the curves that its estimates fit."""
 
 from __future__ import annotations
 
@@ -38,11 +38,11 @@ _SHOWN = 6000
 
 @style.styled
 def calibration_figure(recording: Recording, calibration: Calibration) -> Figure:
-    """Trajectory, density, power spectrum, mean squared displacement and potential, with fits.
+    """Draw trajectory, density, power spectrum, mean squared displacement and potential, with fits.
 
     Bars are standard errors. Spectra are averaged over bins of frequency for the figure only; the
-    fits are those of `calibration`. A record in volts is drawn in metres, one with a drive without
-    the motion that the stage causes.
+    fits are those of `calibration`. A recording in volts is drawn in metres, one with a drive
+    without the motion that the stage causes.
     """
     figure = style.new(*SIZE)
     draw_calibration(figure, recording, calibration)
@@ -53,7 +53,7 @@ def calibration_figure(recording: Recording, calibration: Calibration) -> Figure
 def draw_calibration(
     figure: Figure | SubFigure, recording: Recording, calibration: Calibration
 ) -> None:
-    """Draw what `calibration_figure` has."""
+    """Draw the panels of `calibration_figure` in a figure or a part of one."""
     recording = in_metres(recording, calibration)
     axes = figure.subplot_mosaic(
         [["trajectory", "trajectory"], ["spectrum", "displacement"], ["potential", "density"]],
@@ -79,7 +79,7 @@ def draw_calibration(
 
 
 def _draw_trajectory(axes: Axes, recording: Recording) -> None:
-    """A long record thinned to as many samples as a figure can show."""
+    """Draw the positions over time; a long recording is thinned to about 6000 samples."""
     shown = slice(None, None, -(-len(recording.times) // _SHOWN))
     for axis, positions in zip(recording.axes, recording.positions.T, strict=True):
         about = (positions - positions.mean()) * per("nm")
@@ -95,6 +95,7 @@ def _draw_trajectory(axes: Axes, recording: Recording) -> None:
 
 
 def _draw_density(axes: Axes, recording: Recording) -> None:
+    """Draw the probability density of the first two coordinates."""
     if len(recording.axes) < 2:
         axes.set_axis_off()
         return
@@ -114,7 +115,10 @@ def _draw_density(axes: Axes, recording: Recording) -> None:
 
 
 def _draw_spectrum(axes: Axes, recording: Recording, calibration: Calibration) -> None:
-    """Spectra with their models in the range of the fits, dotted beyond; rings: the corners."""
+    """Draw power spectra with their models: solid in the range of the fit, dotted beyond.
+
+    Rings mark corner frequencies.
+    """
     for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
         frequencies, density = power_spectrum(positions, recording.step)
         edges = np.geomspace(frequencies[0], frequencies[-1] * (1 + 1e-9), 61)
@@ -158,6 +162,7 @@ def _draw_spectrum(axes: Axes, recording: Recording, calibration: Calibration) -
 
 
 def _draw_displacement(axes: Axes, recording: Recording, calibration: Calibration) -> None:
+    """Draw mean squared displacements over the lag, with the curves of the estimated stiffness."""
     step = recording.step
     for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
         longest = min(len(positions) // 4, 10 * found.fit.bead.relaxation_time / step)
@@ -185,7 +190,7 @@ def _draw_displacement(axes: Axes, recording: Recording, calibration: Calibratio
 
 
 def _number(along: Axis) -> None:
-    """Numbers at 1, 2 and 5 on a logarithmic axis that is too short for powers of ten alone."""
+    """Write plain numbers at a logarithmic axis that is too short for powers of ten alone."""
     low, high = along.get_view_interval()
     if high < 100 * low:
         short = high < 20 * low
@@ -195,6 +200,7 @@ def _number(along: Axis) -> None:
 
 
 def _draw_potential(axes: Axes, recording: Recording, calibration: Calibration) -> None:
+    """Draw the potential from the histogram of positions, in k_B T, with the fitted parabolas."""
     kT = Boltzmann * calibration.temperature
     for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
         well = potential(positions, calibration.temperature)
@@ -220,8 +226,10 @@ def _draw_potential(axes: Axes, recording: Recording, calibration: Calibration) 
 
 
 def _stiffness(k: float, uncertainty: float) -> str:
+    """Return a stiffness and its uncertainty, N/m, as text for a legend."""
     return f"k = {with_error(k, uncertainty, 'pN/µm', '±')}"
 
 
 def _mark(findings: tuple[Finding, ...]) -> str:
+    """Return the end of a legend's text for an estimate with findings; "" without findings."""
     return ", not trusted" if findings else ""

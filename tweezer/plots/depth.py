@@ -1,4 +1,4 @@
-"""The figure of a fit of the depth from frames of the plane."""
+"""The figure of a fit of the bead's height z from positions in the plane of the camera."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @style.styled
 def depth_figure(track: Track, found: DepthFit) -> Figure:
-    """Track and fit, whitened residuals, the depth over time, and the misfit over the start."""
+    """Draw track and fit, whitened residuals, height over time, and misfit over the start."""
     figure = style.new(style.PAGE, 5.0)
     panels = figure.subplot_mosaic([["plane", "profile"], ["residuals", "depth"]])
     time = (track.times - found.start_time) * per("ms")
@@ -57,7 +57,7 @@ def depth_figure(track: Track, found: DepthFit) -> Figure:
 
 
 def _draw_profile(axes: Axes, found: DepthFit) -> None:
-    """Misfit as a function of the start, with interval and minima."""
+    """Draw the misfit over the height of the start, with confidence intervals and minima."""
     z, misfit = np.array(found.profile).T
     axes.plot(z * per("um"), misfit, color=style.PATH)
     axes.axhline(LEVEL, color=style.MUTED, lw=0.8, ls="--")

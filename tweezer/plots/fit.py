@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @style.styled
 def fit_figure(found: SceneFit) -> Figure:
-    """The least misfit over the other keys against each key; shaded: 95 % confidence."""
+    """Draw, over each key, the misfit minimised over the other keys; shaded: 95 % confidence."""
     columns = min(len(found.keys), 3)
     rows = math.ceil(len(found.keys) / columns)
     figure = style.new(style.COLUMN if columns == 1 else style.PAGE, 0.4 + 2.3 * rows)

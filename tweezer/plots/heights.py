@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 @style.styled
 def heights_figure(trap: xr.Dataset) -> Figure:
-    """Stiffness, equilibrium, drag and corner frequency over the height of the focus.
+    """Draw stiffness, equilibrium, drag and corner frequency over the height of the focus.
 
-    trap: as `tweezer.trap_over_heights` gives it. Crosses on the axis are heights at which nothing
+    trap: result of `tweezer.trap_over_heights`. Crosses on the axis are heights at which nothing
     holds the bead.
     """
     figure = style.new(style.PAGE, 4.8)
@@ -63,7 +63,9 @@ def heights_figure(trap: xr.Dataset) -> Figure:
 
 
 def _draw_equilibria(axes: Axes, trap: xr.Dataset) -> None:
-    """Where the bead is held, from the focus; below the line it would be in the wall."""
+    """Draw the equilibrium relative to the focus; in the hatched region the bead would be in the
+    wall.
+    """
     scene = scene_of(trap)
     normal = scene.wall.normal if scene.wall else 1.0
     height = trap["height"].values * per("um")

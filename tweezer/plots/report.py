@@ -1,4 +1,4 @@
-"""A calibration on one page, HTML or PDF: figures, numbers, and what is not to be trusted."""
+"""Report of a calibration on one page, HTML or PDF: figures, numbers, and findings against them."""
 
 from __future__ import annotations
 
@@ -47,36 +47,38 @@ _READING = (
 
 
 class Verdict(NamedTuple):
-    """What the calibration says of an axis, in one line."""
+    """Result of a calibration for one axis in a line."""
 
     text: str
     trusted: bool
+    """whether nothing speaks against it"""
 
 
 class AxisTable(NamedTuple):
-    """The numbers of an axis."""
+    """Estimates of the stiffness along one axis, as text."""
 
     axis: str
     rows: list[tuple[str, str, str]]
-    """method, stiffness, judgement"""
+    """method, stiffness and judgement of each estimate"""
     lines: list[str]
-    """what else is told"""
+    """further results, a line each"""
 
 
 @dataclass(frozen=True)
 class Page:
-    """A report in words."""
+    """Content of a report in words."""
 
     title: str
     verdicts: list[Verdict]
     notes: list[str]
-    """what speaks against numbers; tables refer to them by number, from 1"""
+    """findings against numbers, to which tables refer by their number, from 1"""
     tables: list[AxisTable]
     facts: list[tuple[str, str]]
+    """what was read, given and fitted, by name"""
 
 
 def page_of(recording: Recording, calibration: Calibration) -> Page:
-    """The words of a report on the calibration of a recording."""
+    """Return the words of a report on the calibration of a recording."""
     free = calibration.free
     trapped = calibration.trapped
     verdicts = [_verdict(axis) for axis in trapped]
@@ -104,6 +106,7 @@ def page_of(recording: Recording, calibration: Calibration) -> Page:
 
 
 def _verdict(axis: AxisCalibration) -> Verdict:
+    """Return the verdict on an axis: its first estimate without findings, or why there is none."""
     for each in axis.estimates:
         if not each.findings:
             text = f"{axis.axis}: k = {each.measured.words}, by {each.method}"
@@ -114,6 +117,7 @@ def _verdict(axis: AxisCalibration) -> Verdict:
 
 
 def _table(axis: AxisCalibration, unit: str, notes: list[str]) -> AxisTable:
+    """Return the estimates of an axis as text. notes: numbered findings to which they refer."""
     rows = [
         (method, k if k == "-" else f"{k} ± {error}", judgement.partition("; ")[0])
         for method, k, error, judgement in axis.table(notes).rows
@@ -122,12 +126,12 @@ def _table(axis: AxisCalibration, unit: str, notes: list[str]) -> AxisTable:
 
 
 def _typeset(line: str) -> str:
-    """A line of a terminal with the signs of print."""
+    """Return a line for a terminal with the signs of print: µ, ± and ²."""
     return re.sub(r"\bu(?=[ms]\b)", "µ", line.replace("+-", "±").replace("^2", "²"))
 
 
 def _facts(recording: Recording, calibration: Calibration) -> list[tuple[str, str]]:
-    """What was read and given, by name."""
+    """Return what was read, given and fitted, by name."""
     samples, step = calibration.samples, calibration.step
     facts = [
         ("record", f"{samples:,} samples, one every {printed(step, 'ms')}: {samples * step:.4g} s"),
@@ -177,6 +181,7 @@ def _facts(recording: Recording, calibration: Calibration) -> list[tuple[str, st
 
 
 def _band(low: float, high: float) -> str:
+    """Return a band of frequencies, Hz, as text; the upper end may be infinite."""
     return f"{low:.4g} to {high:.4g} Hz" if math.isfinite(high) else f"from {low:.4g} Hz on"
 
 
@@ -206,6 +211,7 @@ def write_report(recording: Recording, calibration: Calibration, path: str | Pat
 
 
 def _as_html(page: Page, recording: Recording, calibration: Calibration) -> str:
+    """Return the report as HTML, with its figure as a PNG within."""
     from jinja2 import Environment, StrictUndefined
 
     from tweezer.plots import calibration_figure, style
@@ -219,7 +225,7 @@ def _as_html(page: Page, recording: Recording, calibration: Calibration) -> str:
 
 
 def _as_pdf(page: Page, recording: Recording, calibration: Calibration) -> Figure:
-    """The page as a figure: words above, drawings below."""
+    """Return the report as a figure: words above, drawings below."""
     from tweezer.plots import draw_calibration, style
 
     notes = [
@@ -248,9 +254,11 @@ def _as_pdf(page: Page, recording: Recording, calibration: Calibration) -> Figur
     at = 1.0
 
     def write(text: str, x: float = _MARGIN, **look: object) -> None:
+        """Write a text at the current height, `x` of the width from the left."""
         words.text(x, at, text, va="top", parse_math=False, **{"fontsize": style.TEXT, **look})
 
     def down(lines: float) -> None:
+        """Move the current height down by so many lines."""
         nonlocal at
         at -= lines / count
 

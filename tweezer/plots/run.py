@@ -27,7 +27,7 @@ _SLOWEST = 5e-5
 
 @style.styled
 def run_figure(run: xr.Dataset) -> Figure:
-    """The path in the plane of the beam's axis, coordinates and speeds over time.
+    """Draw the path in the plane of the beam's axis, and coordinates and speeds over time.
 
     With thermal motion the distance to the focus takes the place of the speeds, which have no
     meaning between samples. Samples too far apart to show the motion are drawn as points.
@@ -55,18 +55,20 @@ def run_figure(run: xr.Dataset) -> Figure:
 
 
 def _milliseconds(run: xr.Dataset) -> np.ndarray:
+    """Return the times of the samples, (n,) ms."""
     return run["time"].values * per("ms")
 
 
 def _thermal(run: xr.Dataset) -> bool:
+    """Return whether the run has thermal motion."""
     return scene_of(run).forces.brownian
 
 
 def _look(run: xr.Dataset, mark: style.Mark) -> dict[str, Any]:
-    """Look of a curve through samples, or of points if they do not form a curve.
+    """Return the look of a curve through the samples, or of points if they do not form a curve.
 
-    Thermal motion fills its lines, so that these are whole and thin. Points so many that a page of
-    vectors would be large are drawn as an image.
+    Thermal motion fills its lines, which are therefore solid and thin. More than 10,000 points are
+    drawn as an image, because a page of vectors would be large.
     """
     many = {"rasterized": run.sizes["time"] > 10_000}
     if not resolved(Run.of(run)):
@@ -77,7 +79,7 @@ def _look(run: xr.Dataset, mark: style.Mark) -> dict[str, Any]:
 
 
 def _draw_path(axes: Axes, run: xr.Dataset) -> None:
-    """Distance from the axis, signed by the side of the start, against z; bead to scale."""
+    """Draw the path as distance from the axis, positive on the side of the start, against z."""
     scene = scene_of(run)
     position = run["position"].values * per("um")
     start = position[0, :2]
@@ -115,6 +117,7 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
 
 
 def _draw_position(axes: Axes, run: xr.Dataset) -> None:
+    """Draw the coordinates over time."""
     for below, (axis, mark) in enumerate(style.AXES.items()):
         values = run["position"].sel(axis=axis) * per("um")
         axes.plot(_milliseconds(run), values, label=axis, zorder=3 - below / 4, **_look(run, mark))
@@ -126,7 +129,7 @@ def _draw_position(axes: Axes, run: xr.Dataset) -> None:
 
 
 def _draw_contact(axes: Axes, scene: Scene) -> None:
-    """Where z has the bead touch a wall, if that is about where the axes end."""
+    """Draw the height at which the bead touches a wall, if it is near the range of the axes."""
     low, high = axes.get_ylim()
     for plane, normal in planes(scene):
         touching = plane + normal * scene.body.support(normal) * per("um")
@@ -140,13 +143,14 @@ def _draw_contact(axes: Axes, scene: Scene) -> None:
 
 
 def _draw_distance(axes: Axes, run: xr.Dataset) -> None:
+    """Draw the distance to the focus over time."""
     axes.plot(_milliseconds(run), run["distance"] * per("um"), **_look(run, style.SERIES[0]))
     axes.set(xlabel="time (ms)", ylabel="distance to the focus (µm)")
     axes.set_ylim(bottom=0)
 
 
 def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
-    """Actual and terminal speed (5.2), with the Reynolds number (5.1) on the right."""
+    """Draw actual and terminal speed (5.2) over time, with the Reynolds number (5.1)."""
     time = _milliseconds(run)
     look = _look(run, style.SERIES[0])
     if resolved(Run.of(run)):  # the terminal speed lies on it for most of the way
@@ -173,6 +177,7 @@ def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
 
 
 def _mark_closest_approach(axes: Axes, run: xr.Dataset, label: str) -> None:
+    """Mark the time of the first closest approach by a line; not for thermal motion."""
     time = summarise(run).closest_approach_time
     if time is None or _thermal(run):  # thermal motion comes close many times
         return

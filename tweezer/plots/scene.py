@@ -1,4 +1,4 @@
-"""What figures of runs and of traps have in common: cones of light, walls, the caveat."""
+"""Parts that figures of runs and of traps share: cones of light, walls, the caveat."""
 
 from __future__ import annotations
 
@@ -19,21 +19,23 @@ if TYPE_CHECKING:
 
 
 def add_caveat(figure: Figure, scene: Scene, *, cones: bool = True) -> None:
-    """The caveat of ray optics, or of the cones if they are drawn, below all panels.
+    """Add the caveat of ray optics, or of the cones if they are drawn, below all panels.
 
-    No scene has both: rays know no cover.
+    No scene has both, because a cover excludes ray optics.
     """
     if caveat := ray_optics_caveat(scene) or (cone_caveat(scene) if cones else None):
         style.add_note(figure, caveat[0].upper() + caveat[1:] + ".")
 
 
 def planes(scene: Scene) -> list[tuple[float, float]]:
-    """Of each wall its z, um, and the direction along z from it to the bead."""
+    """Return z, um, of each wall, and its normal: the direction along z from it to the bead, 1 or
+    -1.
+    """
     return [(per("um") * z, normal) for z, normal in (scene.wall.planes if scene.wall else ())]
 
 
 def draw_walls(axes: Axes, scene: Scene, reach: float) -> None:
-    """What is solid, in a figure with z upwards to `reach`, um; where the bead's centre stops."""
+    """Draw walls, up to a height `reach`, um, and lines at which the bead's centre stops."""
     for plane, normal in planes(scene):
         if abs(plane) < reach:
             axes.axhspan(plane, -normal * reach, **style.SOLID)
@@ -42,10 +44,11 @@ def draw_walls(axes: Axes, scene: Scene, reach: float) -> None:
 
 
 def draw_cones(axes: Axes, scene: Scene, reach: float, direction: np.ndarray, **how: Any) -> None:
-    """Cone of light of each beam before and behind its focus, for a figure that shows `reach`.
+    """Draw the cone of light of each beam before and behind its focus, to a distance beyond the
+    figure.
 
-    direction: (2,) along the figure's horizontal axis. Lengths in um. Moving beams are drawn at
-    their position at rest.
+    reach: half the height of the figure, um. direction: (2,) unit vector in the plane of x and y,
+    along the figure's horizontal axis. Moving beams are drawn at their position at rest.
     """
     length = 3 * reach
     for beam in scene.beams:

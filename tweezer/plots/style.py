@@ -1,10 +1,10 @@
-"""The look of all figures: sizes, fonts, colours, line styles, and how a figure becomes a file.
+"""Style of all figures: sizes, fonts, colours and line styles, and writing them to files.
 
 A figure is drawn at the size at which it is printed: as wide as one column of a journal, 85 mm, or
-as two, 178 mm, with no text below 7 points. Colours differ in lightness, so that they are told
-apart in grey, and by people who see no red or no green; what is drawn together differs by line or
-marker, too. A figure has the same look whatever the style of the session, and changes no global
-state; `use` alone does, for notebooks.
+as two, 178 mm, with no text below 7 points. Colours differ in lightness, so that they are
+distinguished in grey and with red-green colour blindness. Curves in the same axes also differ by
+line or marker. A figure has the same look whatever the style of the session, and changes no global
+state; only `use` does, for notebooks.
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ DOTS = 200
 
 
 class Mark(NamedTuple):
-    """How one of several things in the same axes is drawn."""
+    """Colour, line and marker of one of several curves or point sets in the same axes."""
 
     colour: str
     line: Any
-    """style of its line"""
+    """style of its line, as Matplotlib takes it"""
     marker: str
 
     @property
@@ -142,25 +142,27 @@ _PARAMETERS: Any = {
 
 
 class _Styled(Figure):
-    """A figure that is laid out, drawn and written in this style."""
+    """A figure that is laid out, drawn and written in this style, whatever the session's style."""
 
     def draw(self, renderer: RendererBase) -> None:
+        """Draw the figure in this style."""
         with mpl.rc_context(_PARAMETERS):
             super().draw(renderer)
 
     def savefig(self, fname: Any, **options: Any) -> None:
+        """Write the figure in this style."""
         with mpl.rc_context(_PARAMETERS):
             super().savefig(fname, **options)
 
 
 def new(width: float, height: float, *, layout: str = "constrained") -> Figure:
-    """An empty figure of this size in inches; drawn upon within a function that is `styled`."""
+    """Return an empty figure of this size in inches, to be drawn on by a `styled` function."""
     with mpl.rc_context(_PARAMETERS):
         return _Styled(figsize=(width, height), layout=layout)  # type: ignore[arg-type]
 
 
 def styled(function: Callable[_P, _T]) -> Callable[_P, _T]:
-    """A function that draws, in this style."""
+    """Let a function draw in this style, whatever the style of the session."""
 
     @functools.wraps(function)
     def inner(*args: _P.args, **keywords: _P.kwargs) -> _T:
@@ -171,7 +173,7 @@ def styled(function: Callable[_P, _T]) -> Callable[_P, _T]:
 
 
 def use() -> None:
-    """Give this look to what pyplot draws from now on, at the size of a notebook's page.
+    """Use this style for all that pyplot draws from now on, at the size of a notebook's page.
 
     Curves in the same axes differ by colour and line, in the order of `SERIES`.
     """
@@ -181,10 +183,10 @@ def use() -> None:
 
 
 def save(figure: Figure, to: Path | IO[bytes], kind: str, title: str = "") -> None:
-    """Write a figure as "png", "svg" or "pdf", with its title and without the time of day.
+    """Write a figure as "png", "svg" or "pdf", with its title and without a date.
 
-    title: without it that above the panels. In SVG text remains text; PDF has its fonts within.
-    The same figure gives the same bytes.
+    title: by default the one above the panels. In SVG text remains text; PDF embeds its fonts. The
+    same figure gives the same bytes.
     """
     title = title or " ".join(figure.get_suptitle().split())
     made_by = f"tweezer {__version__}"
@@ -197,9 +199,9 @@ def save(figure: Figure, to: Path | IO[bytes], kind: str, title: str = "") -> No
 
 
 def add_title(figure: Figure | SubFigure, text: str, note: str = "") -> None:
-    """Title above all panels, and what is told below it, of up to three lines each.
+    """Add a title above all panels, and a note below it, of up to three lines each.
 
-    Both are literal, as a dollar sign in a name is no formula.
+    Both are literal: a dollar sign in a name begins no formula.
     """
     width = round(13 * figure.bbox.width / figure.dpi)
     parts = [textwrap.fill(part, width, max_lines=3, placeholder=" …") for part in (text, note)]
@@ -207,13 +209,16 @@ def add_title(figure: Figure | SubFigure, text: str, note: str = "") -> None:
 
 
 def add_note(figure: Figure, text: str) -> None:
-    """What a reader must know, in small letters below all panels."""
+    """Add a note that a reader must know, in small letters below all panels."""
     width = round(figure.get_figwidth() * 17)
     figure.supxlabel(textwrap.fill(text, width), fontsize=SMALL, color=NOTE, parse_math=False)
 
 
 def headroom(axes: Axes, part: float, *, below: bool = False) -> None:
-    """Lengthen the vertical axis, linear or logarithmic, by this part of it: for a legend."""
+    """Lengthen the vertical axis by a fraction `part` of its length, to make room for a legend.
+
+    The axis may be linear or logarithmic. below: lengthen it downwards, not upwards.
+    """
     scale = axes.yaxis.get_transform()
     low, high = scale.transform(axes.get_ylim())
     more = part * (high - low)
@@ -222,18 +227,18 @@ def headroom(axes: Axes, part: float, *, below: bool = False) -> None:
 
 
 def legend_above(axes: Axes, columns: int, **options: Any) -> Legend:
-    """A legend between axes and title, away from the data."""
+    """Add a legend between axes and title, away from the data."""
     return axes.legend(
         loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, borderaxespad=0.2, **options
     )
 
 
 def widen(legend: Legend) -> None:
-    """Show lines that are thin because they fill the axes so wide that their colour is seen."""
+    """Make thin lines in a legend so wide that their colours are visible."""
     for line in legend.get_lines():
         line.set_linewidth(max(line.get_linewidth(), 1.5))
 
 
 def legend_below(figure: Figure | SubFigure, columns: int, **options: Any) -> None:
-    """A legend of all panels, below them."""
+    """Add a legend for all panels, below them."""
     figure.legend(loc="outside lower center", ncols=columns, **options)

@@ -43,18 +43,19 @@ _TITLE = 46
 
 
 class _Panel(NamedTuple):
-    """A quantity of the result as it is drawn."""
+    """A quantity of a sweep as a panel of the figure shows it."""
 
     values: xr.DataArray
-    """over the swept dimensions"""
+    """values over the swept dimensions, in the unit of the figure"""
     error: xr.DataArray
+    """errors of the values"""
     label: str
     log: bool = False
-    """whether its sizes differ by orders of magnitude"""
+    """whether values differ by orders of magnitude"""
     line: float | None = None
-    """a value that is shown by a line"""
+    """value that is marked by a line"""
     top: float | None = None
-    """a value to which larger ones are cut"""
+    """value at which larger ones are cut"""
 
 
 @style.styled
@@ -99,7 +100,10 @@ def sweep_figure(result: xr.Dataset) -> Figure:
 
 
 def drawn_over(sizes: Mapping[str, int]) -> list[str]:
-    """The dimensions over which a sweep of these sizes is drawn. Raises `ResultError` if none."""
+    """Return the dimensions of a sweep that have several values; raise `ResultError` unless 1 or 2.
+
+    sizes: number of values by dimension.
+    """
     swept = [dim for dim, size in sizes.items() if size > 1]
     if not 1 <= len(swept) <= 2:
         way_out = f"; select among {', '.join(swept)} with .sel first" if swept else ""
@@ -110,11 +114,12 @@ def drawn_over(sizes: Mapping[str, int]) -> list[str]:
 
 
 def _numeric(values: xr.DataArray) -> bool:
+    """Return whether the values of a key are numbers."""
     return values.dtype.kind in "if"
 
 
 def _panels(result: xr.Dataset) -> list[_Panel]:
-    """What is drawn, by what the sweep is of."""
+    """Return the panels of the figure, which depend on the result that was swept."""
     match result.attrs["of"]:
         case "trap":
             panels = [
@@ -147,13 +152,17 @@ def _panels(result: xr.Dataset) -> list[_Panel]:
 def _easiest(
     result: xr.Dataset, name: str, scale: float, label: str, line: float | None = None
 ) -> _Panel:
-    """The smallest value over the directions."""
+    """Return the panel of a quantity in the direction in which it is smallest.
+
+    scale: factor from SI to the unit of the figure. line: value that is marked by a line.
+    """
     at = result[name].fillna(math.inf).argmin("direction")
     values, errors = (result[each].isel(direction=at) for each in (name, f"{name}_error"))
     return _Panel(scale * values, scale * errors, label, True, line)
 
 
 def _panel(result: xr.Dataset, name: str, axis: str = "", *, log: bool = False) -> _Panel:
+    """Return the panel of a quantity, along an axis if one is given, in the unit of figures."""
     values, error = result[name], result[f"{name}_error"]
     label = values.attrs["long_name"]
     if axis:
@@ -164,13 +173,18 @@ def _panel(result: xr.Dataset, name: str, axis: str = "", *, log: bool = False) 
 
 
 def _shown(unit: str) -> tuple[float, str]:
-    """Factor to the unit of the figure, and that unit in brackets."""
+    """Return the factor from an SI unit to the unit of the figure, and that unit in brackets."""
     scale, name = in_tables(unit)
     return scale, f" ({typeset(name)})" if name else ""
 
 
 def _axis_of(values: xr.DataArray) -> tuple[Array, str, bool]:
-    """The values of a key in the figure's unit, their label, and whether their ratios are even."""
+    """Return the values of a key in the figure's unit, their label, and whether the axis is
+    logarithmic.
+
+    It is if they are positive, differ by a factor above 3, and have more even ratios than
+    differences. Values that are no numbers are numbered.
+    """
     if not _numeric(values):
         return np.arange(values.size, dtype=float), str(values.name), False
     scale, unit = _shown(values.attrs.get("units", ""))
@@ -183,7 +197,10 @@ def _axis_of(values: xr.DataArray) -> tuple[Array, str, bool]:
 
 
 def _draw_map(axes: Axes, panel: _Panel, result: xr.Dataset, down: str, along: str) -> None:
-    """Colours over two keys; what has no number is marked by its outcome."""
+    """Draw a quantity as colours over two keys; cells without a number are marked by their outcome.
+
+    down, along: dimensions on the vertical and the horizontal axis.
+    """
     x, x_label, x_wide = _axis_of(result[along])
     y, y_label, y_wide = _axis_of(result[down])
     values = panel.values.transpose(down, along).values
@@ -214,7 +231,11 @@ def _draw_map(axes: Axes, panel: _Panel, result: xr.Dataset, down: str, along: s
 def _mark(
     axes: Axes, x: Array, y: Array, x_wide: bool, y_wide: bool, without: Any, outcome: Any
 ) -> None:
-    """Cells without a number, by their outcome, with a legend of these."""
+    """Colour the cells without a number by their outcome, with a legend.
+
+    x, y: values of both keys. x_wide, y_wide: whether the axes are logarithmic. without: booleans,
+    cells without a number. outcome: words of all cells. Both are (y, x).
+    """
     styles = {FAILED: _BROKEN, MISSING: _EMPTY}
     legend = []
     for word in np.unique(outcome[without]):
@@ -230,20 +251,25 @@ def _mark(
 
 
 def _one_colour(colour: str) -> Any:
+    """Return a colour map that has this colour alone."""
     from matplotlib.colors import ListedColormap
 
     return ListedColormap([colour])
 
 
 def _number(axis: Axis, at: Array) -> None:
-    """Plain numbers on a logarithmic axis, and more of them where it is short."""
+    """Write plain numbers at a logarithmic axis, more of them if it is short. at: its values."""
     axis.set_major_locator(LogLocator(subs=(1, 2, 5) if at.max() < 100 * at.min() else (1,)))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
 
 
 def _edges(at: Array, *, wide: bool) -> Array:
-    """Edges of cells about values that need not be even, in their order."""
+    """Return the edges (n + 1,) of cells around values (n,), which need not be even, in their
+    order.
+
+    wide: whether the axis is logarithmic.
+    """
     values = np.log(at) if wide else at
     middle = (values[1:] + values[:-1]) / 2
     edges = np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
@@ -253,7 +279,11 @@ def _edges(at: Array, *, wide: bool) -> Array:
 def _draw_curves(
     axes: Axes, panel: _Panel, result: xr.Dataset, swept: list[str], family: list[str]
 ) -> None:
-    """A curve with its errors for each member of the family; or one."""
+    """Draw a quantity as curves with errors over one key, one for each member of the family.
+
+    swept: dimensions with several values. family: those that may distinguish curves, the best
+    first.
+    """
     names = family[:1] if len(swept) == 2 else []
     (along,) = [dim for dim in swept if dim not in names]
     x, label, wide = _axis_of(result[along])
@@ -300,14 +330,14 @@ def _draw_curves(
 
 
 def _keys_of(result: xr.Dataset, dimension: str) -> list[str]:
-    """The keys that vary along a dimension: several along that of a table of cases."""
+    """Return the keys that vary along a dimension: several for a table of cases."""
     if dimension in result.coords:
         return [dimension]
     return [str(name) for name, of in result.coords.items() if of.dims == (dimension,)]
 
 
 def _told(result: xr.Dataset, dimension: str) -> list[str]:
-    """A name for each entry of a dimension, by the values of its keys."""
+    """Return a name for each entry of a dimension, from the values of its keys."""
     columns = []
     for key in _keys_of(result, dimension):
         values = result[key]
@@ -322,9 +352,7 @@ def _told(result: xr.Dataset, dimension: str) -> list[str]:
 
 
 def _marks(count: int) -> list[style.Mark]:
-    """Looks of the curves of a family; more than are told apart by colour alone go from dark to
-    light.
-    """
+    """Return the looks of `count` curves; if they are many, colours go from dark to light."""
     if count <= len(style.SERIES):
         return list(style.SERIES[:count])
     from matplotlib import colormaps

@@ -25,7 +25,7 @@ _NO_LINES = 1e-3
 
 @style.styled
 def trap_figure(scene: Scene, trap: Trap) -> Figure:
-    """Force along the axis and across it, and the field of force around the trap.
+    """Draw the force along the axis and across it, and the field of force around the trap.
 
     Forces are the sum of light and weight. Without a stable equilibrium the curves run through the
     focus.
@@ -44,11 +44,12 @@ def trap_figure(scene: Scene, trap: Trap) -> Figure:
 
 
 def _centre(trap: Trap) -> np.ndarray:
+    """Return the position of the equilibrium, or of the focus without one, (3,) m."""
     return np.array(trap.equilibrium.position if trap.equilibrium else (0.0, 0.0, 0.0))
 
 
 def _reach(scene: Scene, trap: Trap) -> float:
-    """Half the width of the figure, m from the origin."""
+    """Return half the width of the figure about the origin, m."""
     r = scene.body.size
     shown = np.vstack([_centre(trap), *(beam.position for beam in scene.beams)])
     farthest = max((escape.force_at for escape in trap.escapes), default=0.0)
@@ -56,19 +57,23 @@ def _reach(scene: Scene, trap: Trap) -> float:
 
 
 def _net_force(scene: Scene, points: np.ndarray) -> np.ndarray:
-    """All forces but drag on a bead at `points` (..., 3) m that touches no wall."""
+    """Return all forces but drag on the bead at positions (..., 3) m, in N and the same shape.
+
+    The bead is taken to touch no wall.
+    """
     return bound_once(scene).net_force_apart(points.reshape(-1, 3)).reshape(points.shape)
 
 
 def _free(scene: Scene, z: np.ndarray) -> np.ndarray:
-    """Those of z, m, at which the bead is not in a wall."""
+    """Return the heights among `z`, m, at which the bead is not in a wall."""
     return z if scene.wall is None else z[scene.room(z) > 0]
 
 
 def _largest_shown(scene: Scene, trap: Trap, largest: float) -> float:
-    """The largest force that a figure shows, pN, of those there are.
+    """Return the largest force that a figure shows, pN.
 
-    Beside the force of a wall that of the light would not be seen.
+    It is limited beside a wall whose force is much larger, or the force of the light would not be
+    seen. largest: largest force in the figure, pN.
     """
     if not scene.forces.dlvo or not trap.escapes:
         return largest
@@ -77,7 +82,7 @@ def _largest_shown(scene: Scene, trap: Trap, largest: float) -> float:
 
 
 def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
-    """One component of the force along its own axis, with slope and escape forces."""
+    """Draw one component of the force along its own axis, with its slope and the escape forces."""
     along = "xyz".index(axis)
     centre, reach = _centre(trap), _reach(scene, trap)
     coordinates = np.linspace(-reach, reach, 601)
@@ -121,6 +126,7 @@ def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
 
 
 def _mark_escape(axes: Axes, escape: Escape, centre: float, colour: str) -> None:
+    """Mark the escape force on the curve. centre: equilibrium along the axis, m."""
     side = 1 if escape.direction[0] == "+" else -1
     place = ((centre + side * escape.force_at) * per("um"), -side * escape.force * per("pN"))
     axes.plot(*place, "o", mfc="white", mec=colour, ms=4, zorder=5)
@@ -134,7 +140,7 @@ def _mark_escape(axes: Axes, escape: Escape, centre: float, colour: str) -> None
 
 
 def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
-    """Direction and size of the force on a bead by the position of its centre; bead to scale."""
+    """Draw direction and size of the force over the bead's position (x, z); bead to scale."""
     centre, r = _centre(trap), scene.body.size
     x = z = np.linspace(-1, 1, 201) * _reach(scene, trap)
     points = np.zeros((z.size, x.size, 3))

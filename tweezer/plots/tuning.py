@@ -1,4 +1,4 @@
-"""The figure of a scaling factor: what it gains in work and loses in accuracy."""
+"""The figure of a search for the scaling factor: gain in work and loss of accuracy."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @style.styled
 def tuning_figure(tuning: Tuning, name: str) -> Figure:
-    """Deviation and force calls of the scaled bead as functions of its scaling factor."""
+    """Draw deviation and force calls of the scaled bead over its scaling factor."""
     figure = style.new(style.COLUMN, 3.9)
     off, work = figure.subplots(2, sharex=True)
     factors = [entry.scaling_factor for entry in tuning.entries]
