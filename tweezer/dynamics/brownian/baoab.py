@@ -17,7 +17,12 @@ from tweezer.dynamics.brownian.propagator import Weights
 
 @cached_njit(error_model="numpy", nogil=True)
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
-    """One step of all beads; u is that at x, before and after."""
+    """Advance all beads by one step: half a kick, half a drift, drag and noise, half a drift, half
+    a kick.
+
+    `beads.u` contains the slow velocity at `beads.x` on entry and on return. weights: see
+    `weights`.
+    """
     force, plan, weights, beads = borrowed((force, plan, weights, beads))
     dims, width = beads.x.shape
     x, v, u = beads.x, beads.v, beads.u
@@ -37,7 +42,11 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
 
 
 def weights(step: float, linear: Linear) -> Weights:
-    """The parts of a step of BAOAB: by_v half a drift, v_by_u half a kick, and what drag leaves."""
+    """Return the coefficients of a step of BAOAB of the length `step`, s.
+
+    by_v is half of the step (a half drift), v_by_u is half of it over tau (a half kick), and decay
+    and noise_v are the exact effect of drag and noise on the velocity.
+    """
     tau = linear.tau
     none = np.zeros_like(tau)
     return Weights(

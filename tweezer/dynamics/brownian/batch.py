@@ -1,4 +1,7 @@
-"""What every scheme shares: some beads side by side, and the force on all of them at once."""
+"""Arrays, parameters and operations that all schemes of thermal motion share.
+
+Beads are processed side by side in batches, and the force is evaluated on a whole batch.
+"""
 
 from __future__ import annotations
 
@@ -22,62 +25,76 @@ Array = NDArray[np.float64]
 
 
 class Plan(NamedTuple):
-    """How beads walk."""
+    """Step, drag and noise of the beads in a run."""
 
     seed: int
+    """seed of the random numbers"""
     step: float
-    """s"""
+    """length of a step, s"""
     per_sample: int
+    """number of steps between samples"""
     tau: Array
-    """(dims,) s; m/beta_v where inertia is left out"""
+    """(dims,) relaxation time of the velocity m/beta_v and of the angular velocity, s, even where
+    the model has no inertia
+    """
     mobility: Array
-    """(dims,) 1/beta_v, and 1/beta_w, at the start"""
+    """(dims,) 1/beta_v, s/kg, and 1/beta_w, 1/(N m s), at the start"""
     load: Array
-    """(dims,) N: gravity and buoyancy"""
+    """(dims,) N: weight less buoyancy; 0 for the angles"""
     diffusion: Array
-    """(dims,) m^2/s, and rad^2/s"""
+    """(dims,) kT times mobility, m^2/s and rad^2/s"""
     centre: Array
-    """(dims,) m, of the spring that is taken exactly"""
+    """(dims,) m, equilibrium position of the spring whose motion is exact"""
     kT: float
-    """J"""
+    """thermal energy, J"""
     uniform: bool
-    """whether a step asks for no mobility by place: the drag is the same everywhere, or the scheme
-    is one beside a wall"""
+    """whether a step needs no mobility by position: the drag is the same everywhere, or the scheme
+    is made for walls
+    """
     drag: Part
-    """its kernel and data; beside a wall the data of `tweezer.dynamics.brownian.plane` alone"""
+    """compiled drag with its data; beside a wall only the data, from
+    `tweezer.dynamics.brownian.plane`
+    """
 
 
 class Beads(NamedTuple):
-    """n beads, and room to move them in. Coordinates are three, and with a rotation three angles.
+    """State of n beads, and workspace for a step. Each has three coordinates, and with rotation
+    three angles.
 
-    The angles are those turned in a step, about the inertial axes; e says what came before. Beads
-    are along the last axis, so that a step is the same arithmetic on a row of numbers, eight at a
-    time: a row has room for w beads, n rounded up to a multiple of eight.
+    The angles are those turned in a step, about the inertial axes; `e` has the orientation at its
+    beginning. Beads are along the last axis, so that a step is the same arithmetic on a row of
+    numbers, eight at a time: a row has room for w beads, n rounded up to a multiple of eight.
     """
 
     x: Array
-    """(dims, w) m, and rad"""
+    """(dims, w) positions, m, and angles, rad"""
     v: Array
-    """(dims, w); (0, w) without inertia. In a fluid with memory the first three rows are up to date
-    at samples alone, and the n hidden variables of each axis of translation follow the rows"""
+    """(dims, w) velocities, m/s, and angular velocities, rad/s; (0, w) without inertia. In a fluid
+    with memory the first three rows are valid only at samples, and 3 n rows follow with the n
+    hidden variables of each axis of translation
+    """
     e: Array
-    """(n, 4); (0, 4) without rotation"""
+    """(n, 4) Euler parameters; (0, 4) without rotation"""
     u: Array
-    """(dims, w) slow velocities"""
+    """(dims, w) slow velocities (force over drag) at `x`"""
     ahead: Array
-    """(dims, w) where a step of lower order leads"""
+    """(dims, w) positions predicted by a step of lower order"""
     u_ahead: Array
+    """(dims, w) slow velocities at `ahead`"""
     kick: Array
-    """(dims, w) of the noise, where it depends on the place"""
+    """(dims, w) noise of the positions, where it depends on the position"""
     normal: Array
-    """(dims or twice that, and one more for the plane beside a wall, w)"""
+    """(dims or 2 dims, and one more for the plane beside a wall, w) standard normal
+    random numbers
+    """
     now: Array
-    """(1,) s, the begin of the step"""
+    """(1,) time at the beginning of the step, s"""
     pose: Pose
+    """time, position and orientation of n beads, as the force reads them"""
     wrench: Wrench
-    """both of n beads, in memory that has room for w"""
+    """force and moment on n beads; as `pose`, in memory that has room for w"""
     resisted: Mobility
-    """at the position that the force was last evaluated at; empty for a uniform drag"""
+    """mobilities where the force was last evaluated; empty for a uniform drag"""
 
 
 def beads(
@@ -128,7 +145,11 @@ def beads(
 
 @cached_njit(error_model="numpy", forceinline=True, nogil=True)
 def slow_velocities(force, plan, beads, time, place, out):  # type: ignore[no-untyped-def]
-    """u = (F + W)/beta_v, and M/beta_w, at a time and at `place` (dims, w)."""
+    """Fill `out` (dims, w) with the slow velocities (F + W)/beta_v and M/beta_w of all beads.
+
+    time: s. place: (dims, w) positions, m. F: force, W: weight, M: moment, beta_v and beta_w: drag.
+    `beads.pose` and `beads.wrench` are overwritten.
+    """
     pose, wrench = beads.pose, beads.wrench
     dims, width = place.shape
     for i in range(len(pose.time)):
@@ -150,13 +171,18 @@ def slow_velocities(force, plan, beads, time, place, out):  # type: ignore[no-un
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def without_memory(weights):  # type: ignore[no-untyped-def]
-    """The first coordinate that has none."""
+    """Return the first coordinate without hydrodynamic memory: 3 in a fluid with memory, else 0."""
     return 3 if weights.memory.shape[2] > 0 else 0
 
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def lead(weights, beads, out):  # type: ignore[no-untyped-def]
-    """Where velocity or memory, u and noise lead, to `out`, which may be x."""
+    """Fill `out` (dims, w) with the positions after a step under constant slow velocities and
+    noise.
+
+    They start from `beads.x` with the velocities, or the hidden variables of the memory, in
+    `beads.v`. `out` may be `beads.x`.
+    """
     dims, width = beads.x.shape
     x, v, u, normal = beads.x, beads.v, beads.u, beads.normal
     inertial, first = v.shape[0] > 0, without_memory(weights)
@@ -173,7 +199,11 @@ def lead(weights, beads, out):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def velocities_after(weights, beads):  # type: ignore[no-untyped-def]
-    """What drag, u and noise make of the velocities, or of the memory, in place."""
+    """Advance velocities, or hidden variables of the memory, by a step under constant slow
+    velocities.
+
+    `beads.v` is changed in place; without inertia it is empty, and nothing is done.
+    """
     dims, width = beads.x.shape
     v, u, normal = beads.v, beads.u, beads.normal
     if v.shape[0] == 0:
@@ -202,22 +232,24 @@ STEP = types.void(PART, PLAN, WEIGHTS, BEADS)
 
 
 class Linear(NamedTuple):
-    """The linear part of the equations of each coordinate, all (dims,)."""
+    """Linear part of the equations of motion of each coordinate, all (dims,) unless stated
+    otherwise.
+    """
 
     tau: Array
-    """s, of the velocity; 0 where inertia is left out"""
+    """relaxation time of the velocity, s; 0 where inertia is left out"""
     kappa: Array
-    """1/s, rate of return of the trap's spring"""
+    """stiffness of the trap over drag, 1/s"""
     diffusion: Array
-    """m^2/s, and rad^2/s; 0 where the diffusion is drawn by itself"""
+    """kT over drag, m^2/s and rad^2/s; 0 where the diffusion is drawn separately"""
     epsilon: float
-    """s, m/beta_v (4.6) of the bead, whatever the model"""
+    """m/beta_v of the bead (4.6), s, in every model"""
     rates: Array
-    """(3, 3) 1/s, mobility times stiffness: what the spring does between the coordinates too"""
+    """(3, 3) mobility times stiffness, 1/s, with the entries that couple the axes"""
     times: Array = _empty
-    """(n,) s, the tau_j of a fluid with memory (`tweezer.dynamics.brownian.memory`); else empty"""
+    """(n,) relaxation times tau_j of the velocity modes of a fluid with memory, s; else empty"""
     parts: Array = _empty
-    """(n,) its a_j"""
+    """(n,) weights a_j of these modes"""
 
 
 def exact(step: float, linear: Linear) -> Weights:
@@ -234,30 +266,34 @@ def exact_without_springs(step: float, linear: Linear) -> Weights:
 
 
 class Scheme(NamedTuple):
-    """A way to step beads."""
+    """Method of stepping beads in thermal motion."""
 
     step: Callable[..., None]
-    """compiled, `step(force, plan, weights, beads)`"""
+    """compiled function `step(force, plan, weights, beads)`"""
     weights: Callable[[float, Linear], Weights]
-    """what a step of that length, s, of drag and noise does"""
+    """function that returns the coefficients of a step of given length, s, under drag and noise"""
     force_calls: int
-    """places of a bead at which a step asks for the force"""
+    """number of force evaluations of a bead in a step"""
     gradient: bool = False
     """whether it needs the gradient of the force"""
     noise_of_position: bool = True
-    """whether the noise of the position is apart from that of the velocity"""
+    """whether the position has noise of its own besides the velocity's"""
     samples_ahead: bool = False
-    """whether a sample is the place that the last step asked the force at"""
+    """whether a sample is the position at which the last step evaluated the force"""
     memory: bool = False
-    """whether it follows the memory of the fluid"""
+    """whether the scheme can follow the hydrodynamic memory"""
     force_first: bool = False
-    """whether a step wants the slow velocity of the one before"""
+    """whether a step reads the slow velocity that the step before left"""
     resolves_drag: bool = False
     """whether its steps must be shorter than the relaxation times"""
     data: Callable[[Walls, float], Data] | None = None
-    """of a scheme beside a wall: what its step reads, by the walls and kT, J, in place of a drag"""
+    """for a scheme beside walls, a function of the walls and kT, J, which returns the data that its
+    step reads in place of a drag
+    """
 
     @property
     def beside_wall(self) -> bool:
-        """Whether it is one beside a wall: it takes the rotation with it, and one number more."""
+        """Whether the scheme is made for walls: it includes the rotation and draws one
+        number more.
+        """
         return self.data is not None

@@ -48,23 +48,26 @@ _NONE = 40.0
 
 
 class Boundary(NamedTuple):
-    """Where a bead is lost."""
+    """Surfaces at which a bead is lost, and what the test for a crossing within a step needs."""
 
     loss: float
-    """m, distance from the focus"""
+    """radius of the sphere about the focus at which a bead is lost, m"""
     lens: float
     """m, z at which a bead touches the lens"""
     margin: float
-    """m, longest way of a step towards the boundary"""
+    """longest displacement of a bead in a step, m: beads further inside need no test"""
     spread: float
-    """J s, variance of a step without drift over the mobility"""
+    """variance of the displacement in a step without drift, over the mobility, J s"""
     mobility: float
-    """s/kg, where the drag is the same everywhere"""
+    """mobility of translation, s/kg, if the drag is the same everywhere"""
     uniform: bool
+    """whether the drag is the same everywhere"""
     drag: Part
-    """its kernel and data, for the others"""
+    """compiled drag with its data, used if the drag depends on the position"""
     find: int
-    """address of `find`, 0 as long as no bead came near: not all scenes compile it"""
+    """address of the function `find`; 0 as long as no bead came near, as not all scenes
+    compile it
+    """
 
 
 def way(step: float, kT: float, mobility: float, modes: Modes | None, drift: float) -> float:
@@ -129,7 +132,10 @@ def finder_if_compiled() -> int:
 
 @named_njit(inner=True, error_model="numpy")
 def all_far(edge, x, n):  # type: ignore[no-untyped-def]
-    """Whether no bead can be lost in the next step, nor is at a place that is not finite."""
+    """Return whether no bead can be lost in the next step and all positions are finite.
+
+    edge: `Boundary`. x: (3, w) positions, m, of which the first n columns are beads.
+    """
     far, near = edge.lens + edge.margin, max(edge.loss - edge.margin, 0.0)
     there, near = True, near * near
     for i in range(n):
@@ -140,10 +146,13 @@ def all_far(edge, x, n):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def find(edge, seed, who, at, before, watched, beads, lost):  # type: ignore[no-untyped-def]
-    """Fill lost (n,): the part of the step after which a bead is lost, 2 if it is not.
+    """Fill `lost` (n,) with the fraction of a step after which each bead is lost; 2 if it is not
+    lost.
 
-    `before` (3, w), m, has the positions when the step began, if it is `watched`. On entry `lost`
-    is negative for beads that were lost earlier. It is NaN for a position that is not finite.
+    edge: `Boundary`. seed, who, at: seed, numbers of the trajectories and of the step, which select
+    the random numbers. before: (3, w) positions at the beginning of the step, m, valid if
+    `watched`; without them only the end of the step is tested. On entry `lost` is negative for
+    beads that were lost earlier; it becomes NaN for a position that is not finite.
     """
     x, n, many = beads.x, lost.size, 0
     few, index = np.empty(n, np.int64), np.empty(n, np.int64)
@@ -196,9 +205,12 @@ def find(edge, seed, who, at, before, watched, beads, lost):  # type: ignore[no-
 
 @named_njit(inner=True, error_model="numpy")
 def _when(a, b, variance, normal, other):  # type: ignore[no-untyped-def]
-    """The part of the step after which a boundary is crossed, by two normal numbers.
+    """Return the fraction of the step after which a boundary is crossed, from two normal numbers.
 
-    J. R. Michael, W. R. Schucany, R. W. Haas, Am. Stat. 30, 88 (1976).
+    a, b: distances inside the boundary at the beginning and, in modulus, at the end of the step, m.
+    variance: of the displacement across it in a step, m^2. The fraction is s/(1 + s), with s from
+    an inverse Gaussian distribution: J. R. Michael, W. R. Schucany, R. W. Haas, Am. Stat. 30, 88
+    (1976).
     """
     squared = normal * normal
     if not a * a > 0 or not variance > 0:

@@ -33,7 +33,10 @@ from tweezer.dynamics.layout import TRANSLATION
 
 @cached_njit(error_model="numpy", nogil=True)
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
-    """One step of all beads under the light."""
+    """Advance all beads by one step with the force at its beginning.
+
+    With a uniform drag the weights decide between Euler-Maruyama and an exact step.
+    """
     force, plan, weights, beads = borrowed((force, plan, weights, beads))
     slow_velocities(force, plan, beads, beads.now[0], beads.x, beads.u)
     if plan.uniform:
@@ -45,7 +48,11 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _move_by_place(plan, beads):  # type: ignore[no-untyped-def]
-    """Move by the drag where the force was evaluated, whatever that of the start."""
+    """Advance all beads by an Euler-Maruyama step with the drag at their present positions.
+
+    It adds the drift kT db/dx of a mobility b that depends on the position. The force was evaluated
+    before.
+    """
     value, gradient = beads.resisted.value, beads.resisted.gradient
     call(plan.drag.kernel, (beads.pose, plan.drag.data, beads.resisted))
     for k in range(3):
@@ -60,7 +67,9 @@ def _move_by_place(plan, beads):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def harmonic_step(force, plan, weights, beads):  # type: ignore[no-untyped-def]  # noqa: ARG001
-    """One step of all beads on the spring of the weights."""
+    """Advance all beads by one exact step on the spring of the weights, without evaluating the
+    force.
+    """
     plan, weights, beads = borrowed((plan, weights, beads))
     dims, width = beads.x.shape
     for k in range(dims):
@@ -81,7 +90,11 @@ def harmonic_step(force, plan, weights, beads):  # type: ignore[no-untyped-def] 
 
 @named_njit(inner=True, error_model="numpy")
 def _move_coupled(plan, weights, beads):  # type: ignore[no-untyped-def]
-    """Positions after the step, to `ahead`, and velocities, to `u_ahead`, of a full matrix."""
+    """Compute an exact step on a spring that couples the axes, from a full matrix.
+
+    New positions are stored in `beads.ahead` and new velocities in `beads.u_ahead`, because the old
+    ones are needed until all are computed.
+    """
     dims, width = beads.x.shape
     x, v, normal = beads.x, beads.v, beads.normal
     size = weights.coupled.shape[0]
@@ -101,7 +114,10 @@ def _move_coupled(plan, weights, beads):  # type: ignore[no-untyped-def]
 
 
 def weights(step: float, linear: Linear) -> Weights:
-    """The step of Euler and Maruyama, with the noise of (2.16-2.20): 2 beta kT over h."""
+    """Return the coefficients of a step of Euler and Maruyama of the length `step`, s.
+
+    The noise is that of (2.16-2.20): a force of the variance 2 beta kT/h, for the step h.
+    """
     tau = linear.tau
     inertial = tau > 0
     none = np.zeros_like(tau)
@@ -122,7 +138,9 @@ def weights(step: float, linear: Linear) -> Weights:
 
 
 def harmonic_weights(step: float, linear: Linear) -> Weights:
-    """Drag, spring and noise, exactly, of a stiffness with whatever entries."""
+    """Return the exact coefficients of drag, spring and noise in a step, s, for any stiffness
+    matrix.
+    """
     alone = exact(step, linear)
     if np.array_equal(linear.rates, np.diag(np.diag(linear.rates))):
         return alone

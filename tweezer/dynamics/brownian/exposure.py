@@ -29,11 +29,15 @@ OF_THE_TIME = 1e-15
 def expose(  # type: ignore[no-untyped-def]
     first, step, opens, closes, places, diffusion, numbers, held, means
 ):
-    """Fill in the means (n, frames, 3) of the exposures that end within some steps.
+    """Fill `means` (n, frames, 3), m, with the mean positions over the exposures that end in some
+    steps.
 
-    places (n, m + 1, 3) are those after `first` steps and the m that follow; diffusion is
-    (n or 1, m or 1, 3), numbers (n, ROWS, frames); held (n, HELD) is what has been gathered of the
-    frame that is exposed. The first frame is one that is not over after `first` steps.
+    first: number of steps taken before. step: length of a step, s. opens, closes: (frames,) times
+    at which exposures begin and end, s; the first frame is one that is not complete after `first`
+    steps. places: (n, m + 1, 3) positions after `first` steps and after each of the next m, m.
+    diffusion: (n or 1, m or 1, 3), m^2/s. numbers: (n, ROWS, frames) normal random numbers. held:
+    (n, HELD) integrals of the frame that is being exposed, updated in place: of x, y, z, m s, and
+    their variances.
     """
     n, frames = places.shape[0], len(opens)
     here, now = np.empty((n, 3)), np.empty((n, 3))

@@ -22,7 +22,12 @@ from tweezer.dynamics.brownian.propagator import Weights
 
 @named_njit(inner=True, error_model="numpy")
 def _reduced(part, gradient, vectors, out):  # type: ignore[no-untyped-def]
-    """out = (1 - part dF_i/dx_j) vectors, (3, n); out may be `vectors`."""
+    """Fill `out` (3, n) with (1 - part G) times each vector, where G is the force gradient.
+
+    part: mobility times relaxation time (or half of it), m/N. gradient: (n, 3, 3) dF_i/dx_j, N/m.
+    vectors: (3, n); out may be the same array. So (1 - tau Du) acts on slow velocities u and on the
+    noise.
+    """
     for i in range(gradient.shape[0]):
         x, y, z = vectors[0, i], vectors[1, i], vectors[2, i]
         for k in range(3):
@@ -32,7 +37,10 @@ def _reduced(part, gradient, vectors, out):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
-    """One step of all beads."""
+    """Advance all beads by one step of Heun for the corrected Smoluchowski equation.
+
+    The force and its gradient are evaluated at `beads.x` and `beads.ahead`.
+    """
     force, plan, weights, beads = borrowed((force, plan, weights, beads))
     x, u, ahead, u_ahead, kick = beads.x, beads.u, beads.ahead, beads.u_ahead, beads.kick
     part, gradient = plan.tau[0] * plan.mobility[0], beads.wrench.force_gradient
@@ -58,7 +66,10 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
 
 
 def weights(step: float, linear: Linear) -> Weights:
-    """Spring and noise, exactly; kappa (1 + kappa tau) is the spring's rate to first order."""
+    """Return the exact coefficients of spring and noise in a step of the length `step`, s.
+
+    The rate of the spring is kappa (1 + kappa tau), to first order in the relaxation time tau.
+    """
     kappa = linear.kappa * (1 + linear.kappa * linear.epsilon)
     return propagator.exact(step, linear.tau, kappa, linear.diffusion)
 

@@ -26,7 +26,10 @@ from tweezer.dynamics.brownian.coordinate import beyond_spring
 
 @cached_njit(error_model="numpy", nogil=True)
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
-    """One step of all beads."""
+    """Advance all beads by one step of exponential Heun: predict with the force at x, then correct.
+
+    Rows of `beads` are changed in place; the force is evaluated at `beads.x` and `beads.ahead`.
+    """
     force, plan, weights, beads = borrowed((force, plan, weights, beads))
     dims, width = beads.x.shape
     x, v, u, ahead, u_ahead = beads.x, beads.v, beads.u, beads.ahead, beads.u_ahead

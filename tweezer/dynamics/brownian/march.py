@@ -44,30 +44,34 @@ _ALL = -1
 
 
 class Steps(NamedTuple):
-    """Parameters of the loop over steps. `gradient` to `force_first` are 0 or 1."""
+    """Parameters of the compiled loop over steps. `gradient` to `force_first` are 0 or 1."""
 
     scheme: int
-    """address of its step"""
+    """address of the compiled step of the scheme"""
     draws: int
-    """normal numbers of a step"""
+    """normal random numbers of a bead in a step"""
     memory: int
-    """count of the hidden variables of each axis of translation; they follow the columns"""
+    """number of hidden variables of each axis of translation"""
     velocity: int
-    """where the velocity begins in a state; -1 without inertia"""
+    """first column of the velocity in a sample; -1 without inertia"""
     orientation: int
-    """where the orientation begins; -1 without rotation"""
+    """first column of the orientation; -1 without rotation"""
     angular_velocity: int
-    """where the angular velocity begins, about the inertial axes; -1 without one of the two"""
+    """first column of the angular velocity, about the inertial axes; -1 without
+    rotation or inertia
+    """
     gradient: int
+    """whether the scheme needs the force gradient, see `Scheme`"""
     samples_ahead: int
+    """whether samples are the positions of the last force evaluation, see `Scheme`"""
     force_first: int
-    """see `Scheme`"""
+    """whether the slow velocity is computed before the first step, see `Scheme`"""
     turn: int
-    """address of what turns beads after a step, 0 without rotation"""
+    """address of the function that rotates the beads after a step, 0 without rotation"""
 
 
 def steps(scheme: Scheme, layout: Layout) -> Steps:
-    """The steps of a scheme, for states of this layout."""
+    """Return the parameters of the loop for a scheme and states of a layout."""
     inertial = "velocity" in layout
     dims = _dimensions(layout)
     diffuses = not inertial and not scheme.beside_wall and dims == 6
@@ -86,7 +90,7 @@ def steps(scheme: Scheme, layout: Layout) -> Steps:
 
 
 def _dimensions(layout: Layout) -> int:
-    """Degrees of freedom of a body."""
+    """Return the number of degrees of freedom of a body: 6 with rotation, else 3."""
     return 6 if "orientation" in layout else 3
 
 
@@ -103,21 +107,21 @@ def advance(
     steps : Steps
         Parameters of the loop over steps.
     plan : Plan
-        Steps between samples, and the scheme's coefficients.
+        Length of the steps, their number between samples, drag and noise.
     weights : Weights
-        Weights of the exposure of a camera.
+        Coefficients of a step.
     edge : Boundary
         Boundary at which a bead is lost.
     layout : Layout
         Layout of the states.
     trajectories : ndarray, shape (n,)
         Numbers of the trajectories, which select the random numbers.
-    states : ndarray, shape (n, ...)
+    states : ndarray, shape (n, layout.width)
         States, a row for each bead.
     sample : int
-        First sample to compute.
-    out : ndarray, shape (n, samples, ...)
-        Samples to write.
+        Number of the sample at which the states are.
+    out : ndarray, shape (n, samples, columns)
+        Filled with the samples after that one.
 
     Returns
     -------
@@ -152,7 +156,9 @@ def advance(
 
 
 def _held(layout: Layout, beads: Beads, n: int) -> list[tuple[slice, Array]]:
-    """Columns of the states of n beads, and where beads have them."""
+    """Return, for each block of the states of n beads, its columns and the array of `beads` that
+    holds it.
+    """
     rooms = {
         "position": beads.x[TRANSLATION, :n],
         "velocity": beads.v[TRANSLATION, :n],
@@ -165,7 +171,13 @@ def _held(layout: Layout, beads: Beads, n: int) -> list[tuple[slice, Array]]:
 
 @functools.cache
 def loop() -> Any:
-    """Return the compiled loop of one batch. lost_at (n,), s, is infinite without a loss."""
+    """Return the compiled loop over the steps and samples of one batch of beads.
+
+    It fills `out` (n, samples, columns) and returns `_ALL` (-1), `NEAR`, or the row of a bead whose
+    position is not finite. who: numbers of the trajectories. lost_at: (n,) times of loss, s,
+    infinite for beads that are not lost. sample: number of the first sample, from which steps are
+    counted.
+    """
 
     def follow(  # type: ignore[no-untyped-def]
         force, steps, plan, weights, edge, who, beads, lost_at, sample, out
@@ -218,7 +230,7 @@ def loop() -> Any:
 
 @named_njit(inner=True, error_model="numpy")
 def _save(steps, beads, place, i, out):  # type: ignore[no-untyped-def]
-    """Bead i at that place to a sample."""
+    """Store the state of bead i in a sample `out`; place (dims, w) has the positions to store."""
     for k in range(3):
         out[k] = place[k, i]
     if steps.velocity >= 0:
@@ -234,7 +246,7 @@ def _save(steps, beads, place, i, out):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _park(beads, i):  # type: ignore[no-untyped-def]
-    """A lost bead is kept at the focus: its samples are no numbers."""
+    """Move a lost bead i to the focus at rest, so that it stays finite; its samples are NaN."""
     for k in range(beads.x.shape[0]):
         beads.x[k, i] = 0.0
     for k in range(beads.v.shape[0]):

@@ -57,24 +57,26 @@ NONE = np.zeros((3, 0, 0))
 
 
 class Axis(NamedTuple):
-    """A step of one axis."""
+    """Coefficients of a step of one axis in a fluid with memory."""
 
     z: Array
-    """(7 + n, n) the rows of its hidden variables"""
+    """(7 + n, n) coefficients of its n hidden variables z, in the rows X_BY, DECAY and so on"""
     x_by_u: float
-    """s"""
+    """displacement per slow velocity, s"""
     x_by_rise: float
-    """s"""
+    """displacement per change of the slow velocity, s"""
     noise_x: float
-    """m"""
+    """standard deviation of the noise of the position, m"""
 
 
 def axis(
     h: float, times: Array, parts: Array, kappa: float, diffusion: float, gone: float = GONE
 ) -> Axis:
-    """The step of an axis whose spring has the rate kappa, 1/s; 0 for none.
+    """Return the coefficients of a step of one axis.
 
-    times, parts: (n,) s and 1, the tau_j and a_j. diffusion: kT/beta, m^2/s.
+    h: length of the step, s. times, parts: (n,) relaxation times tau_j, s, and weights a_j of the
+    velocity modes. kappa: stiffness over drag, 1/s; 0 without a spring. diffusion: kT/beta, m^2/s.
+    gone: fraction left after the step below which a combination of velocities is dropped.
     """
     n = len(times)
     length = math.sqrt(diffusion * h)
@@ -113,15 +115,17 @@ def axis(
 
 
 def together(axes: list[Axis]) -> Array:
-    """The weights of z of the axes, (3, 7 + n, n); what an axis has fewer of is zero."""
+    """Return the coefficients of z for all axes, (3, 7 + n, n), padded with zeros to the same n."""
     n = max(each.z.shape[1] for each in axes)
     return np.array([np.pad(each.z, (0, n - each.z.shape[1])) for each in axes])
 
 
 def of_linear_motion(A: Array, shaken: Array, h: float) -> tuple[Array, Array]:
-    """e^(A h), and the covariance of the noise of dy = A y dt + sqrt(shaken) dW over the step.
+    """Return e^(A h) and the covariance of the noise of dy = A y dt + sqrt(shaken) dW over a step
+    h.
 
-    By series of a short step, doubled: sizes of the coordinates do not matter to their digits.
+    A, shaken: (m, m), 1/s and variances per second. The series of a short step is doubled to h, so
+    that coordinates of very different size keep their digits.
     """
     size = float(np.linalg.norm(A, 2)) * h
     halvings = max(0, math.ceil(math.log2(max(size / _SHORT, 1.0))))
@@ -140,9 +144,11 @@ def of_linear_motion(A: Array, shaken: Array, h: float) -> tuple[Array, Array]:
 
 
 def _kept(E: Array, x_by: Array, seen: Array, gone: float) -> Array:
-    """Orthonormal combinations (m, n) of velocities to follow: their step E is symmetric.
+    """Return orthonormal combinations (m, n) of the n mode velocities that must be followed.
 
-    x_by, seen: (n,), by which they move x and are the velocity.
+    They are the eigenvectors of the step E (n, n), which is symmetric, that are not gone after a
+    step, with |eigenvalue| > gone; and what the others contribute to the displacement (x_by, (n,))
+    and to the velocity (seen, (n,)).
     """
     decay, directions = np.linalg.eigh((E + E.T) / 2)
     slow = directions[:, np.abs(decay) > gone].T
@@ -157,10 +163,12 @@ def _kept(E: Array, x_by: Array, seen: Array, gone: float) -> Array:
 
 
 def _news(left: Array, noise: Array, told: Array) -> tuple[Array, Array]:
-    """Noise (n, 2) of what two combinations of y -> left y + noise tell, and the covariance of y
-    that they do not tell; told: (2, n).
+    """Return the noise (n, 2) of the innovations, and the covariance (n, n) that stays unknown.
 
-    The latter solves S = P - P C^T (C P C^T)^-1 C P of P = left S left^T + noise. By doubling: E.
+    The variables become left y + noise in a step, left: (n, n), noise: its covariance (n, n), and
+    two combinations of them, told y with told: (2, n), are observed without error. The innovations
+    are the unpredictable part of the next observation. The covariance S of y given all observations
+    solves S = P - P C^T (C P C^T)^-1 C P, P = left S left^T + noise, C = told, by doubling: E.
     K.-W. Chu, H.-Y. Fan, W.-W. Lin, Linear Algebra Appl. 396, 55 (2005).
     """
     one = np.eye(len(left))
@@ -184,7 +192,12 @@ def _news(left: Array, noise: Array, told: Array) -> tuple[Array, Array]:
 
 @named_njit(inner=True, error_model="numpy")
 def lead(weights, beads, out):  # type: ignore[no-untyped-def]
-    """Where u at the begin of the step, memory and noise lead; out may be x."""
+    """Fill `out` (dims, w) with the positions that the present u, z and noise lead to, along three
+    axes.
+
+    u is the slow velocity at the beginning of the step and z are the hidden variables, in `beads.v`
+    after the velocities. weights: `Weights`. out may be `beads.x`.
+    """
     x, u, z, normal = beads.x, beads.u, beads.v, beads.normal
     memory, n = weights.memory, weights.memory.shape[2]
     dims, width = x.shape
@@ -200,7 +213,11 @@ def lead(weights, beads, out):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def after(weights, beads):  # type: ignore[no-untyped-def]
-    """What u and noise make of z, in place."""
+    """Advance the hidden variables z by a step, from the slow velocity at its beginning and the
+    noise.
+
+    They are rows of `beads.v`, changed in place; `rise` adds the effect of the changing force.
+    """
     u, z, normal = beads.u, beads.v, beads.normal
     dims, width = beads.x.shape
     memory, n = weights.memory, weights.memory.shape[2]
@@ -217,7 +234,11 @@ def after(weights, beads):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def rise(weights, beads):  # type: ignore[no-untyped-def]
-    """What the rise of the force beyond the spring adds to where u led, in place; and to z."""
+    """Complete a step of Heun: store the positions in `beads.x`, and correct z.
+
+    Both gain what the change of the slow velocity over the step, beyond that by the spring, adds to
+    the positions `beads.ahead` and to the hidden variables.
+    """
     x, u, z, ahead = beads.x, beads.u, beads.v, beads.ahead
     memory, n = weights.memory, weights.memory.shape[2]
     dims, width = x.shape
@@ -235,7 +256,9 @@ def rise(weights, beads):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def velocities(weights, beads):  # type: ignore[no-untyped-def]
-    """The velocities of translation that z stands for, to `v`."""
+    """Compute the velocities of translation from the hidden variables z, into the first rows of
+    `beads.v`.
+    """
     memory, n, z = weights.memory, weights.memory.shape[2], beads.v
     dims, width = beads.x.shape
     for k in range(3):

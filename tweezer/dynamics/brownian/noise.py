@@ -70,6 +70,7 @@ _INNER: dict[str, Any] = {"inner": True, "error_model": "numpy", "forceinline": 
 
 @named_njit(**_INNER)
 def _four_rounds(a, b, c, d, by):  # type: ignore[no-untyped-def]
+    """Return four words after four rounds of Threefry, with the eight rotations `by`, in bits."""
     a = a + b
     b = rotated(b, by[0]) ^ a
     c = c + d
@@ -91,7 +92,10 @@ def _four_rounds(a, b, c, d, by):  # type: ignore[no-untyped-def]
 
 @named_njit(**_INNER)
 def threefry(key, a, b, c, d):  # type: ignore[no-untyped-def]
-    """Four times eight words of a counter (a, b, c, d), each eight words, and a key of four."""
+    """Return Threefry-4x64 random words: four vectors of eight words.
+
+    key: four words. a, b, c, d: the counter, each eight words (one for each of eight trajectories).
+    """
     k, l, m, n = key
     o = _PARITY ^ k ^ l ^ m ^ n
     a, b, c, d = _four_rounds(a + k, b + l, c + m, d + n, _ODD)
@@ -104,14 +108,17 @@ def threefry(key, a, b, c, d):  # type: ignore[no-untyped-def]
 
 @named_njit(**_INNER)
 def _series(c, z):  # type: ignore[no-untyped-def]
-    """c[0] + c[1] z + ... + c[8] z^8."""
+    """Return the polynomial c[0] + c[1] z + ... + c[8] z^8, for eight numbers z."""
     last = c[5] + z * (c[6] + z * (c[7] + z * c[8]))
     return c[0] + z * (c[1] + z * (c[2] + z * (c[3] + z * (c[4] + z * last))))
 
 
 @named_njit(**_INNER)
 def _logarithm(u):  # type: ignore[no-untyped-def]
-    """log(u) of u = 2^e m, m from sqrt(1/2) to sqrt(2), by 2 atanh((m - 1)/(m + 1))."""
+    """Return log(u) for eight numbers 0 < u <= 1.
+
+    With u = 2^e m and m from sqrt(1/2) to sqrt(2), it is e log(2) + 2 atanh((m - 1)/(m + 1)).
+    """
     above = as_words(u) + (_ONE - _ROOT_HALF)
     e = as_lanes((above >> uint64(52)) | _WHOLE) - _BIAS
     m = as_lanes((above & _FRACTION) + _ROOT_HALF)
@@ -121,9 +128,10 @@ def _logarithm(u):  # type: ignore[no-untyped-def]
 
 @named_njit(**_INNER)
 def _pair(radius, angle):  # type: ignore[no-untyped-def]
-    """Two normal numbers of the upper 52 bits of one word and the lower 32 of another.
+    """Return two normal numbers for each of eight pairs of random words, by Box and Muller.
 
-    30 of the 32 give a place in a quarter of the circle; two choose the quarter.
+    radius: words whose upper 52 bits give the radius. angle: words whose lower 32 bits give the
+    angle: 30 bits the position within a quarter of the circle, two bits the quarter.
     """
     u = as_lanes((radius >> uint64(12)) | _ONE) - (1.0 - 2.0**-53)  # between 0 and 1
     r = root(-2.0 * _logarithm(u))
@@ -137,9 +145,11 @@ def _pair(radius, angle):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def normals(seed, trajectories, step, purpose, out):  # type: ignore[no-untyped-def]
-    """Fill `out` (m, n) with normal numbers: column i of trajectories[i], (n,) int64.
+    """Fill `out` (m, n) with normal random numbers, a column for each of trajectories (n,), int64.
 
-    seed, step, purpose: int64. A number depends on its row, but not on how many there are.
+    seed, step, purpose: int64, which with the trajectory and the row determine a number. A number
+    does not depend on how many rows or columns are drawn. purpose: `NOISE`, `START`, `TURN` and so
+    on.
     """
     zero = uint64(0)
     key = uint64(seed), zero, zero, zero

@@ -23,7 +23,9 @@ from tweezer.dynamics.brownian.batch import (
 
 @cached_njit(error_model="numpy", nogil=True)
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
-    """One step of all beads; `ahead` is left at x*."""
+    """Advance all beads by one step with one force evaluation, at x*, which is left in
+    `beads.ahead`.
+    """
     force, plan, weights, beads = borrowed((force, plan, weights, beads))
     dims, width = beads.x.shape
     x, v, u, ahead = beads.x, beads.v, beads.u, beads.ahead

@@ -87,21 +87,30 @@ POSITION, NORMAL, RADIUS, ROOM, LENGTH, RATE, OF_GAPS, OF_SQUARES = range(8)
 
 
 class Mobilities(NamedTuple):
-    """Over those far away, at any gaps."""
+    """Mobilities of a bead beside a plane over those far away, one value for each gap."""
 
     towards: Array
+    """mu, of translation perpendicular to the plane"""
     slope: Array
-    """of that towards the plane, over the gap"""
+    """derivative of `towards` by the gap in radii"""
     along: Array
+    """of translation parallel to the plane"""
     turn: Array
+    """of rotation about an axis parallel to the plane"""
     spin: Array
+    """of rotation about the normal of the plane"""
     roll: Array
-    """angular velocity by a force along the plane, over b/a"""
+    """angular velocity by a force along the plane, over the velocity that the force gives far away
+    divided by the radius
+    """
 
 
 @cached_njit(error_model="numpy")
 def _fill(gaps, room, out):  # type: ignore[no-untyped-def]
-    """Fill out (6, n), the fields of `Mobilities`, at gaps (n,)."""
+    """Fill out (6, n) with the fields of `Mobilities` in their order, at gaps (n,) in radii.
+
+    room: gap to the other plane plus that to this one, in radii; infinite for one plane.
+    """
     for i in range(gaps.size):
         found = between_walls(gaps[i], room)
         out[0, i], out[1, i], out[2, i] = found[0], found[5], found[1]
@@ -109,14 +118,21 @@ def _fill(gaps, room, out):  # type: ignore[no-untyped-def]
 
 
 def _mobilities(gaps: Array, room: float) -> Mobilities:
-    """Beside one plane, or between two that leave so much room, infinite for one."""
+    """Return the mobilities at gaps of any shape, in radii, beside one plane or between two.
+
+    room: sum of the gaps to both planes, in radii; infinite for one plane.
+    """
     found = np.empty((6, gaps.size))
     _fill(gaps.ravel(), room, found)
     return Mobilities(*found.reshape(6, *gaps.shape))
 
 
 def _length(low: Array, high: Array, room: float) -> Array:
-    """r(high) - r(low) of gaps of one interval each."""
+    """Return r(high) - r(low), the integral of dg/sqrt(2 mu(g)), by Gauss quadrature.
+
+    low, high: gaps in radii, each pair within one interval of the tables. room: as in
+    `_mobilities`.
+    """
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     found = np.zeros_like(middle)
     for node, weight in zip(_NODES.tolist(), _WEIGHTS.tolist(), strict=True):
@@ -125,19 +141,31 @@ def _length(low: Array, high: Array, room: float) -> Array:
 
 
 def _edges(powers: tuple[int, int]) -> Array:
-    """Where intervals begin, and the last one ends."""
+    """Return the ends of all intervals between two powers of 2, eight to each doubling, ascending.
+
+    powers: exponents of the first end and the last one.
+    """
     at = np.arange((powers[1] - powers[0]) * _PARTS + 1)
     found: Array = np.ldexp(1.0 + at % _PARTS / _PARTS, powers[0] + at // _PARTS)
     return found
 
 
 def _within(edges: Array) -> Array:
-    """Places in intervals, (intervals, terms)."""
+    """Return the points of each interval at which polynomials are fitted, (intervals, terms).
+
+    edges: (intervals + 1,) ends of the intervals.
+    """
     return edges[:-1, None] + (0.5 + 0.5 * _PLACES) * np.diff(edges)[:, None]
 
 
 def _functions(first: Array, gaps: Array, r: Array, room: float) -> Array:
-    """What is read at gaps, (..., 8); first: r^2/g or g/r^2."""
+    """Return the eight functions that a step reads, at gaps of any shape (...): (..., 8).
+
+    In order: first; S = sqrt(2 mu)/r and T, which give the drift (S F/2 + T) W of W under the force
+    F, in kT/radius, and in time units of radius^2/D; the mobilities along the plane, of turning,
+    spinning and rolling; and zero, which makes eight. first: r^2/g in the table over g, g/r^2 in
+    that over r^2. gaps, r: g and its length r, in radii. room: as in `_mobilities`.
+    """
     of = _mobilities(gaps, room)
     scale = np.sqrt(2.0 * of.towards)
     drift = 0.5 * (of.slope / scale - 1.0 / r) / r
@@ -146,7 +174,11 @@ def _functions(first: Array, gaps: Array, r: Array, room: float) -> Array:
 
 
 def _polynomials(values: Array, first: Array, last: Array) -> Array:
-    """Of values (intervals, terms, 8), and the constants (8,) before and past them."""
+    """Return coefficients (intervals + 2, terms, 8) of polynomials fitted to the functions.
+
+    values: (intervals, terms, 8) at the points of each interval. first, last: (8,) constants that
+    hold below the first interval and above the last one.
+    """
     found = np.zeros((len(values) + 2, _TERMS, LANES))
     found[0, 0], found[-1, 0] = first, last
     for k in range(_TERMS):
@@ -156,9 +188,11 @@ def _polynomials(values: Array, first: Array, last: Array) -> Array:
 
 @functools.cache
 def tables(room: float) -> tuple[float, Array, Array]:
-    """r between two planes that leave that gap, infinite for one; polynomials over g and over r^2.
+    """Return r between two planes and the tables of the eight functions over g and over r^2.
 
-    room: in radii. (intervals + 2, terms, 8): before the first and past the last they are constant.
+    room: sum of the gaps to both planes, in radii; infinite for one plane, and then so is the first
+    result. The tables are polynomial coefficients (intervals + 2, terms, 8); outside the intervals
+    the functions are constant.
     """
     edges = _edges(_GAPS)
     edges = edges[: np.searchsorted(edges, 0.5 * room) + 1]
@@ -188,9 +222,9 @@ def tables(room: float) -> tuple[float, Array, Array]:
 
 
 def data_of(walls: Walls, kT: float) -> Data:
-    """What a step beside a wall takes.
+    """Return the data that a step beside walls reads: geometry, diffusion rate and tables.
 
-    kT: J.
+    kT: thermal energy, J.
     """
     (position, normal), *others = walls.planes
     room = math.inf
@@ -206,7 +240,14 @@ def data_of(walls: Walls, kT: float) -> Data:
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _read(numbers, begin, count, before, of, found):  # type: ignore[no-untyped-def]
-    """Fill found (64,) with the eight functions at each of eight numbers."""
+    """Fill found (64,) with the eight functions at each of eight arguments, eight entries per
+    argument.
+
+    numbers: flat data, in which a table of `count` rows begins at the index `begin`. before:
+    number, from the bits of a floating-point number, of the table's first row. of: eight arguments,
+    g or r^2. The leading bits of an argument select its row; its other bits are its position within
+    the interval.
+    """
     rows, places = on_stack(LANES, np.int64), on_stack(LANES, np.float64)
     bits = as_words(of)
     store(rows, 0, bits >> _SHIFT)
@@ -223,7 +264,12 @@ def _read(numbers, begin, count, before, of, found):  # type: ignore[no-untyped-
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def nearest(data, z):  # type: ignore[no-untyped-def]
-    """Of eight beads: gap to the nearer plane in radii, direction away from it, its position."""
+    """Return for eight beads the gap to the nearer plane, the direction away from it, and its
+    position.
+
+    data: from `data_of`. z: positions, m. The gap is in radii and at least 0; the direction is 1 or
+    -1 along z; the position of the plane is in m.
+    """
     radius, normal = number(data, RADIUS), number(data, NORMAL)
     position, room = number(data, POSITION), number(data, ROOM)
     away, plane = spread(normal), spread(position)
@@ -238,8 +284,13 @@ def nearest(data, z):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def by_gap(data, g, away):  # type: ignore[no-untyped-def]
-    """At eight gaps: r; S, T of the drift (S F/2 + T) W; mobilities along the plane and of turning,
-    spinning and rolling, over those far away. That of rolling is w/F over b/a, signed as in z.
+    """Return r, S, T and the mobilities of eight beads, from their gaps.
+
+    g: gaps in radii. away: directions 1 or -1 away from the plane, along z. The drift of W in the
+    plane of the gap is (S F/2 + T) W, for the force F in kT/radius and the time in radius^2/D. The
+    mobilities, over those far away, are a tuple of translation along the plane, turning, spinning
+    and rolling; rolling is angular velocity times radius over the velocity far away, with the sign
+    of `away`.
     """
     found = on_stack(_NUMBERS, np.float64)
     _read(data.numbers, data.shapes[OF_GAPS, 0], data.shapes[OF_GAPS, 1], _BEFORE_GAPS, g, found)
@@ -249,7 +300,12 @@ def by_gap(data, g, away):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def by_square(data, square, away):  # type: ignore[no-untyped-def]
-    """At eight r^2: the gap, and what `by_gap` gives beside r."""
+    """Return the gap, S, T and the mobilities of eight beads, from the squared length r^2 of W.
+
+    away: directions 1 or -1 away from the plane from which r is counted. The gap is in radii; the
+    other results are those of `by_gap`. Between two planes, r beyond the middle is counted from the
+    other one.
+    """
     found = on_stack(_NUMBERS, np.float64)
     folded, between = square, number(data, LENGTH)
     if between < np.inf:
@@ -266,7 +322,11 @@ def by_square(data, square, away):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _folded(square, between):  # type: ignore[no-untyped-def]
-    """r^2 counted from the nearer of two planes."""
+    """Return r^2 counted from the nearer of two planes, for eight values.
+
+    square: r^2 counted from the first plane; W may have passed the second plane, where it is
+    reflected. between: r from one plane to the other.
+    """
     out = on_stack(LANES, np.float64)
     store(out, 0, square)
     for j in range(LANES):
@@ -280,7 +340,11 @@ def _folded(square, between):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _from_the_other(data, square, folded, found):  # type: ignore[no-untyped-def]
-    """What was read at r counted from the nearer plane, as of r counted from the first one."""
+    """Convert functions read at r from the nearer plane to r from the first plane, in place.
+
+    square, folded: eight values of r^2, counted from the first plane and from the nearer one.
+    found: (64,) filled by `_read` at `folded`; changed for the beads beyond the middle.
+    """
     room, between = number(data, ROOM), number(data, LENGTH)
     squares, nearer = on_stack(LANES, np.float64), on_stack(LANES, np.float64)
     store(squares, 0, square)

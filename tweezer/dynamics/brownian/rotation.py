@@ -32,19 +32,28 @@ TURNS = types.void(PLAN, types.int64[::1], types.int64, BEADS)
 
 @cached_njit(error_model="numpy", nogil=True)
 def turn_by_steps(plan, trajectories, at, beads):  # type: ignore[no-untyped-def]  # noqa: ARG001
-    """Turn every bead by the angles of its step, and put these back to 0."""
+    """Rotate every bead by the angles of its step, `beads.x[3:6]`, and set the angles to 0.
+
+    trajectories, at: not used; they make the signature that of `turn_and_diffuse`.
+    """
     _turn(beads)
 
 
 @cached_njit(error_model="numpy", nogil=True)
 def turn_and_diffuse(plan, trajectories, at, beads):  # type: ignore[no-untyped-def]
-    """Likewise, and by a step, the one of that number, of free rotational diffusion."""
+    """Rotate every bead by the angles of its step, then by exact free rotational diffusion for a
+    step.
+
+    trajectories: (w,) numbers of the trajectories; at: number of the step: both select random
+    numbers.
+    """
     _turn(beads)
     _diffuse(plan, trajectories, at, beads)
 
 
 @named_njit(inner=True, error_model="numpy")
 def _turn(beads):  # type: ignore[no-untyped-def]
+    """Rotate every bead by the angles of its step, `beads.x[3:6]`, rad, and set the angles to 0."""
     for i in range(beads.e.shape[0]):
         turn(beads.x[3, i], beads.x[4, i], beads.x[5, i], beads.e[i], beads.e[i])
         for k in range(3, 6):
@@ -53,6 +62,12 @@ def _turn(beads):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _diffuse(plan, trajectories, at, beads):  # type: ignore[no-untyped-def]
+    """Rotate every bead by a random angle of free rotational diffusion over a step, by rejection.
+
+    A rotation vector w (rad, standard deviation `spread`) is accepted with the probability
+    sin(|w|/2)/(|w|/2); beads without an accepted one draw again. Arguments as in
+    `turn_and_diffuse`.
+    """
     spread = math.sqrt(2.0 * plan.diffusion[3] * plan.step)
     drawn = np.empty((4, trajectories.size))
     left = np.ones(beads.e.shape[0], np.bool_)

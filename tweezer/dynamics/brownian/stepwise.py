@@ -21,21 +21,21 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Line:
-    """A part of a motion, straight from the end of a step to that of the next."""
+    """Part of a motion, straight from the end of each step to the end of the next."""
 
     times: Array
-    """(n,) s"""
+    """(n,) ends of the steps, s"""
     samples: Array
-    """(n, columns)"""
+    """(n, columns) samples at these times"""
 
     @property
     def begin(self) -> float:
-        """s"""
+        """Time of the first sample, s."""
         return float(self.times[0])
 
     @property
     def end(self) -> float:
-        """s"""
+        """Time of the last sample, s."""
         return float(self.times[-1])
 
     def checkpoints(self) -> Array:
@@ -43,12 +43,12 @@ class Line:
         return self.times
 
     def states(self, times: Array) -> Array:
-        """Samples at `times`, (n, columns)."""
+        """Return samples at `times` (n,), s, by linear interpolation, (n, columns)."""
         return np.column_stack([np.interp(times, self.times, each) for each in self.samples.T])
 
 
 class Watch:
-    """The events of a run as they happen."""
+    """Events of a run, located while it proceeds."""
 
     def __init__(self, events: Sequence[Event], start: Array) -> None:
         self._events = [event.restarted(start) for event in events]
@@ -59,7 +59,7 @@ class Watch:
         """time, s, and sample of the event that ended the run"""
 
     def look(self, line: Line) -> None:
-        """Take the events of a part of the motion, up to one that ends the run."""
+        """Record the events in a part of the motion, up to one that ends the run."""
         found = [(event, each) for event in self._events for each in event.occurrences(line)]
         for event, each in sorted(found, key=lambda pair: pair[1].certain):
             self.happened.append(each)

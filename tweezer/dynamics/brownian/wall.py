@@ -43,6 +43,9 @@ W, ACROSS, R, CHANGE, PULL, DRIFT, AWAY, PLANE, BEGIN, AHEAD, ROWS = *range(9), 
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _keep(kept, first, i, mobilities):  # type: ignore[no-untyped-def]
+    """Store four mobilities of eight beads, those from bead i on, in the rows from `first` of
+    `kept`.
+    """
     width = kept.shape[1]
     for k in range(4):
         store(kept, (first + k) * width + i, mobilities[k])
@@ -50,6 +53,7 @@ def _keep(kept, first, i, mobilities):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _kept(kept, first, i):  # type: ignore[no-untyped-def]
+    """Return the four mobilities of eight beads that `_keep` stored."""
     at, width = first * kept.shape[1] + i, kept.shape[1]
     return (
         lanes(kept, at), lanes(kept, at + width), lanes(kept, at + 2 * width),
@@ -59,7 +63,13 @@ def _kept(kept, first, i):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _slow_down(u, radius, mobilities, i):  # type: ignore[no-untyped-def]
-    """Velocities that eight beads have far away to those along the wall, and angular ones."""
+    """Convert slow velocities of eight beads far from the wall to those beside it, in place.
+
+    u: (dims, w) velocities along (m/s) and angular velocities about (rad/s) each axis; the row
+    across the wall is left as it is. radius: m. mobilities: along the wall, of turning, spinning
+    and rolling, over those far away (rolling in units of velocity/radius). i: column of the first
+    bead.
+    """
     dims, width = u.shape
     along, turn, spin, roll = mobilities
     x, y = lanes(u, i), lanes(u, width + i)
@@ -78,7 +88,11 @@ def _slow_down(u, radius, mobilities, i):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _shake(weights, beads, mobilities, i):  # type: ignore[no-untyped-def]
-    """Noise of eight beads along the wall, and of their angles, to `kick`."""
+    """Fill `beads.kick` with the noise of eight beads along the wall (m) and of their angles (rad).
+
+    mobilities: as in `_slow_down`. Shifting along the wall and turning have correlated noise. i:
+    column of the first bead.
+    """
     normal, kick = beads.normal, beads.kick
     dims, width = kick.shape
     along, turn, spin, roll = mobilities
@@ -99,7 +113,12 @@ def _shake(weights, beads, mobilities, i):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def heun_step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
-    """One step of all beads, two forces."""
+    """Advance all beads by one step of Heun beside a wall, with two force evaluations.
+
+    plan: its drag has the data of `plane.data_of`. weights: exact without the wall. The gap moves
+    as the length of W = (w, across) in a plane, see the module `plane`; the other coordinates as
+    usual.
+    """
     force, plan, weights, beads = borrowed((force, plan, weights, beads))
     data, radius = plan.drag.data, number(plan.drag.data, RADIUS)
     dims, width = beads.x.shape
@@ -164,7 +183,12 @@ def heun_step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def one_call_step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
-    """One step of all beads, one force; `ahead` is left where it was asked for."""
+    """Advance all beads by one step of Leimkuhler and Matthews beside a wall, with one force
+    evaluation.
+
+    The force is evaluated after half of the noise, at `beads.ahead`, which is also the sample. W =
+    (w, across) is the vector whose length gives the gap, see the module `plane`.
+    """
     force, plan, weights, beads = borrowed((force, plan, weights, beads))
     data, radius = plan.drag.data, number(plan.drag.data, RADIUS)
     dims, width = beads.x.shape

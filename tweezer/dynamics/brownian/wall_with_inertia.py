@@ -47,7 +47,12 @@ AWAY, PLANE, R, S, T, ALONG, W, ACROSS, S_AHEAD, T_AHEAD, BESIDE, TOWARDS, ROWS 
 
 @named_njit(inner=True, error_model="numpy")
 def _of_step(step, tau):  # type: ignore[no-untyped-def]
-    """E, 1 - E, tau (1 - E), h', and what a rising slow velocity moves the bead by."""
+    """Return five functions of a step h of a bead with the relaxation time tau, both in s.
+
+    They are E = e^(-h/tau), 1 - E, tau (1 - E), the time h' whose diffusion has the spread of the
+    step, and the displacement per change of the slow velocity over the step, all in s from the
+    third on.
+    """
     if not tau > 0.0:
         return 0.0, 1.0, 0.0, step, 0.5 * step
     q = step / tau
@@ -64,12 +69,14 @@ def _of_step(step, tau):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _keep(kept, first, i, functions):  # type: ignore[no-untyped-def]
+    """Store the five functions of `_of_step` for bead i, in the rows from `first` of `kept`."""
     kept[first, i], kept[first + 1, i], kept[first + 2, i] = functions[:3]
     kept[first + 3, i], kept[first + 4, i] = functions[3:]
 
 
 @named_njit(inner=True, error_model="numpy")
 def _kept(kept, first, i):  # type: ignore[no-untyped-def]
+    """Return the five functions of `_of_step` for bead i that `_keep` stored."""
     return (
         kept[first, i], kept[first + 1, i], kept[first + 2, i], kept[first + 3, i],
         kept[first + 4, i],
@@ -78,7 +85,11 @@ def _kept(kept, first, i):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _look(data, x, kept):  # type: ignore[no-untyped-def]
-    """Fill the rows of the plane, its functions and the mobility along it, at the beginning."""
+    """Fill the rows AWAY to ALONG of `kept` with plane, r, S, T and mobility at the beginning of a
+    step.
+
+    data: from `plane.data_of`. x: (3, w) positions, m.
+    """
     width = x.shape[1]
     for i in range(0, width, LANES):
         g, away, plane = nearest(data, lanes(x, 2 * width + i))
@@ -93,7 +104,11 @@ def _look(data, x, kept):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]  # noqa: ARG001
-    """One step of all beads, two forces."""
+    """Advance all beads by one step with inertia beside a wall, with two force evaluations.
+
+    Along the wall friction is constant in a step. Across it the gap is the length of W = (w,
+    across) in a plane; see the module and `plane`.
+    """
     force, plan, beads = borrowed((force, plan, beads))
     data = plan.drag.data
     radius, rate = number(data, RADIUS), number(data, RATE)
@@ -174,7 +189,12 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]  # noqa: 
 
 @named_njit(inner=True, error_model="numpy")
 def _noise_of_velocity(diffusion, tau, left, gone, spreading):  # type: ignore[no-untyped-def]
-    """The part that goes with the noise of the place, and its own, m/s."""
+    """Return the noise of the velocity in a step, m/s: proportional to the position's, and
+    independent.
+
+    diffusion: D, m^2/s. tau: relaxation time, s. left, gone, spreading: E, 1 - E and h' of
+    `_of_step`.
+    """
     if not tau > 0.0:
         return 0.0, 0.0
     shared = gone * gone * math.sqrt(0.5 * diffusion / spreading)
