@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Blocks in flight for each worker
+#: Number of blocks that are submitted or computed at a time, for each worker
 _AHEAD = 4
 #: Time between reports of progress, s
 _TICK = 0.2

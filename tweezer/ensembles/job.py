@@ -48,7 +48,11 @@ SEEN = "seen"
 
 @dataclass(frozen=True)
 class Job:
-    """Description of an ensemble from which every worker computes its blocks."""
+    """Description of an ensemble, from which every worker computes its blocks.
+
+    A block is a group of trajectories that one worker computes; a window is a stretch of their
+    samples, after which a checkpoint is written.
+    """
 
     scene: str
     """JSON, with model and method decided"""
@@ -97,7 +101,7 @@ class Job:
 
     @property
     def blocks(self) -> int:
-        """Number of blocks."""
+        """Number of blocks of trajectories."""
         return -(-self.trajectories // self.block)
 
     def members(self, index: int) -> slice:
@@ -112,13 +116,13 @@ class Job:
 
     @property
     def beside(self) -> Part:
-        """Folder of the files of a running ensemble, with its marker."""
+        """Folder beside the output for the checkpoints of a running ensemble."""
         assert self.out is not None
         return Part(self.out, "ensemble", _OWN)
 
     @property
     def part(self) -> Path:
-        """Folder of the files of a running ensemble."""
+        """Path of the folder for the checkpoints of a running ensemble."""
         return self.beside.folder
 
     def checkpoint(self, index: int) -> Path:
@@ -127,7 +131,7 @@ class Job:
 
     @property
     def total(self) -> Path:
-        """File of the joined statistics of the first blocks."""
+        """File of the statistics of the first blocks, which are joined in order."""
         return self.part / "total.npz"
 
 

@@ -87,7 +87,7 @@ def error_of_part(part: float, number: int) -> float:
 
 @dataclass(frozen=True)
 class Plan:
-    """The statistics to gather, and the samples that they use."""
+    """Plan of an ensemble's statistics: what to gather, and from which samples."""
 
     times: Array
     """(samples,) s, evenly spaced"""
@@ -128,7 +128,10 @@ class Plan:
 
     @property
     def lags(self) -> NDArray[np.int64]:
-        """Lags in samples, evenly spaced in the logarithm, up to half a window."""
+        """Lags of the mean-square displacement, in samples, even in the logarithm.
+
+        They go up to half a window.
+        """
         most = self.window // 2
         number = 1 + math.ceil(_LAGS * math.log10(most)) if most > 1 else 1
         return np.unique(np.geomspace(1, most, number).round().astype(np.int64))
@@ -142,14 +145,16 @@ class Statistics:
     """
 
     def __init__(self, plan: Plan) -> None:
+        """Begin with no trajectories: all arrays are zero."""
         self.plan = plan
         kept, lags = -(-len(plan.times) // plan.every), len(plan.lags)
+        # arrays of `moments` to order 4, (5, times, columns), and to order 2, (3, axes, numbers)
         self.moments = {
             name: np.zeros((5, kept, columns.stop - columns.start))
             for name, columns in plan.quantities.items()
         }
         self.moments |= {
-            # over windows: averages u of x and v of x^2, and uv
+            # over windows, for each axis: the window's averages u of x and v of x^2, and u v
             "average": np.zeros((3, 3, 3)),
         }
         if plan.displacements:
@@ -260,7 +265,7 @@ class Statistics:
         return Statistics.of(self.plan, moments | sums)
 
     def dataset(self) -> xr.Dataset:
-        """Return the statistics in the form that `tweezer.ensemble` describes."""
+        """Return the statistics as a dataset, with errors; `tweezer.ensemble` describes it."""
         plan = self.plan
         times = plan.times[:: plan.every]
         dataset = xr.Dataset(

@@ -40,7 +40,7 @@ from tweezer.values.files import write_whole
 from tweezer.values.stores import checksum, checksums, description_of_store, open_written, seal
 from tweezer.values.version import FORMAL
 
-#: Arrays by name, in memory or in the store
+#: Arrays of trajectories by name, in memory or in the store
 Samples = Mapping[str, Any]
 #: Statistics of a block by name; empty if trajectories are written
 Gathered = Mapping[str, NDArray[np.float64]]
@@ -149,10 +149,10 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def kept(job: Job, index: int, identity: str) -> dict[str, Any] | None:
-    """Return the checkpoint of a block.
+    """Return the arrays of a block's checkpoint by name.
 
-    The result is None if the checkpoint is missing or damaged, or belongs to another block or
-    ensemble.
+    index: number of the block. identity: digest of the ensemble. The result is None if the
+    checkpoint is missing or damaged, or belongs to another block or ensemble.
     """
     try:
         arrays = _read(job.checkpoint(index))
@@ -174,7 +174,7 @@ def stored(job: Job) -> Samples:
 
 
 def chunk_of(arrays: Samples, name: str, *at: int) -> str:
-    """Return the name of the file of a chunk in the store."""
+    """Return the name of the file of an array's chunk in the store; at: indices of the chunk."""
     return f"{name}/{arrays[name].metadata.encode_chunk_key(at)}"
 
 
@@ -204,6 +204,7 @@ class Trajectories:
     """number of finished blocks that wait for earlier ones"""
 
     def __init__(self, job: Job, bound: Walk) -> None:
+        """Create the arrays or the store, or open a store that was begun and find what it lacks."""
         self.job, self.bound = job, bound
         self.missing = list(range(job.blocks))
         #: checksums of chunks that were written before, by their names
@@ -391,7 +392,7 @@ class Trajectories:
         return tuple(map(min, shape, (self.job.block, window, shape[-1])))
 
     def _create(self, out: Path) -> None:
-        """Create the store, without samples."""
+        """Create the Zarr store, without samples; raise `ResultError` if the disk is too full."""
         taken = sum(8 * math.prod(shape) for _, _, shape, _ in self._variables())
         free = shutil.disk_usage(out.parent).free
         if taken > free:
@@ -431,6 +432,7 @@ class Joined:
     """no trajectories are kept, unlike `Trajectories.arrays`"""
 
     def __init__(self, job: Job, bound: Walk) -> None:
+        """Begin with no blocks, or with those that an interrupted ensemble joined and saved."""
         self.job, self.attributes = job, attributes_of(job, bound)
         self.identity = identity_of(job, bound)
         self.plan = plan_of(bound, job.skipped or 0)
@@ -457,7 +459,11 @@ class Joined:
         return len(self.later)
 
     def take(self, index: int, gathered: Gathered | None) -> None:
-        """Record a finished block. Idempotent; `None` means that the worker was stopped."""
+        """Record a finished block, and join all blocks up to the first that is missing.
+
+        index: number of the block; gathered: its statistics, empty if they are in its file, or None
+        if the worker was stopped. A block may be recorded twice.
+        """
         if gathered is None or index < self.joined[0]:
             return
         self.later[index] = gathered

@@ -94,6 +94,7 @@ def cluster(job: Job, scheduler: str | Client) -> Iterator[Pool]:
             run.touch()
 
         def stop() -> None:
+            """Remove the file without which the workers stop."""
             with contextlib.suppress(OSError):
                 run.unlink(missing_ok=True)
 

@@ -21,9 +21,10 @@ Array = NDArray[np.float64]
 _TIMES = 9
 #: Number of beads that are tried each by itself
 _ALONE = 3
-#: Relative difference of the force on a bead alone and among others, and of one time and another
+#: Largest relative difference of two forces that count as equal: on a bead alone and among others,
+#: or at two times
 _SAME = 1e-9
-#: Part of the largest gradient by which most gradients may differ from differences of the force
+#: Largest difference of most gradients from differences of the force, as a part of the largest one
 _OF_GRADIENT = 0.1
 #: Rounding of a force in differences of it, relative
 _ROUNDING = 1e-12

@@ -193,7 +193,7 @@ class Course:
 
     @property
     def steady(self) -> bool:
-        """Whether it never changes."""
+        """Whether the course never changes."""
         still = not self.amplitude.any() or self.frequency == 0.0
         return still and bool((self.values == self.values[0]).all())
 

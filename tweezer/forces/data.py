@@ -22,7 +22,10 @@ _LINE = 8
 
 
 class Data(NamedTuple):
-    """Entries one after the other: numbers, arrays of up to four axes, data of other forces."""
+    """Data of a force: a list of entries, stored as two arrays that compiled code reads.
+
+    An entry is a number, an array of up to four axes, or another force with its data.
+    """
 
     numbers: Array
     """all arrays, flattened and concatenated, each from a multiple of 8 on, (n,)"""

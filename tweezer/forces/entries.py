@@ -27,28 +27,28 @@ def _check(data, entry, axes):  # type: ignore[no-untyped-def]
 
 @named_njit(error_model="numpy")
 def number(data, entry):  # type: ignore[no-untyped-def]
-    """Read an entry that is one number."""
+    """Return an entry of a force that is one number; raise `IndexError` for another kind."""
     _check(data, entry, 0)
     return _number(data, entry)
 
 
 @named_njit(error_model="numpy")
 def vector(data, entry):  # type: ignore[no-untyped-def]
-    """Read an array of one axis."""
+    """Return an entry of a force that is an array of one axis; raise `IndexError` for others."""
     _check(data, entry, 1)
     return _vector(data, entry)
 
 
 @named_njit(error_model="numpy")
 def matrix(data, entry):  # type: ignore[no-untyped-def]
-    """Read an array of two axes."""
+    """Return an entry of a force that is an array of two axes; raise `IndexError` for others."""
     _check(data, entry, 2)
     return _matrix(data, entry)
 
 
 @named_njit(error_model="numpy")
 def tensor(data, entry):  # type: ignore[no-untyped-def]
-    """Read an array of three axes."""
+    """Return an entry of a force that is an array of three axes; raise `IndexError` for others."""
     _check(data, entry, 3)
     return _tensor(data, entry)
 

@@ -69,7 +69,7 @@ class Search(NamedTuple):
     """distance from the origin up to which the force is known, m"""
 
     def edges(self, end: float, samples: float = 1.0) -> Array:
-        """Return positions from 0 to `end`, m, at intervals of `samples` samples."""
+        """Return positions on a line from 0 to `end`, m: every so many samples (`samples`) one."""
         evenly = min(end, self.near)
         count = math.ceil(evenly / (samples * self.spacing) * (1 - 1e-9))
         near = np.linspace(0.0, evenly, count + 1)
@@ -235,11 +235,13 @@ def _vanishing(
         return None
 
     def scaled(place: Array) -> Array:
+        """Return the net force at a position in bead radii, in units of `size`."""
         if np.linalg.norm(radius * place) > search.known:
             raise AstrayError
         return net_force(radius * place[None])[0] / size
 
     def gradient(place: Array) -> Array:
+        """Return the derivative of `scaled`; the weight has none."""
         return field(radius * place[None], gradient=True).force_gradient[0] * radius / size
 
     try:
@@ -301,6 +303,7 @@ def along(force: NetForce, origin: Array, direction: str) -> Component:
     start, unit = origin, np.array(DIRECTIONS[direction])
 
     def component(distances: Array) -> Array:
+        """Return the force along the line at distances from its origin."""
         return force(start + np.multiply.outer(distances, unit)) @ unit
 
     return component
@@ -318,6 +321,7 @@ def end_of_pull(pull: Component, start: float, stop: float, tolerance: float) ->
     """
 
     def pulls(distance: float) -> float:
+        """Return the pull at one distance, N; above 0 at the start even if rounding denies it."""
         value = float(pull(np.array([distance]))[0])
         return max(value, _PULLING) if distance == start else value
 

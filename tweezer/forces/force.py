@@ -54,17 +54,17 @@ class Force(ABC):
 
     @property
     def oriented(self) -> bool:
-        """Whether it needs the rotation: it turns the bead or depends on its orientation."""
+        """Whether the rotation is needed: the force turns the bead or depends on orientation."""
         return False
 
     @property
     def steady(self) -> bool:
-        """Whether it is constant in time."""
+        """Whether the force is constant in time."""
         return True
 
     @property
     def parts(self) -> tuple[Force, ...]:
-        """Forces that it is made of."""
+        """Forces that this force is made of."""
         return ()
 
     def kinks(self, end: float) -> Array:  # noqa: ARG002

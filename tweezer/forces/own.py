@@ -99,6 +99,7 @@ class UserForce(Force):
         return not self.by_time
 
     def __post_init__(self) -> None:
+        """Read the arguments, and try the function once as plain Python."""
         if not isinstance(self.function, Dispatcher):
             raise ValueError("function: must be made by the decorator tweezer.forces.kernel")
         if not isinstance(self.entries, tuple | list):
@@ -167,7 +168,7 @@ def own_forces(force: Force) -> Iterator[UserForce]:
 
 
 def forget_faults(force: Force) -> None:
-    """Forget what went wrong in forces of the user's own."""
+    """Reset the record of errors of all forces of the user's own in a force."""
     for each in own_forces(force):
         each._met[:] = 0.0
 

@@ -25,20 +25,21 @@ from tweezer.values.vectors import Comparable, Vector, fixed
 
 Array = NDArray[np.float64]
 
-#: Samples from the axis to the rim of the box, and heights in a depth of focus
+#: Numbers of samples from the axis to the rim of the box, and of heights in a depth of focus
 _ACROSS, _ALONG = 24, 6
 #: Radius of a ring below which it is a place on the axis, in radii of the bead
 _ON_AXIS = 1e-3
-#: Part of the force beside a ring that may be left on it
+#: Largest force left on a ring, as a part of the force beside it
 _VANISHED = 1e-7
 #: Distance below which two places are the same, in radii of the bead
 _SAME = 1e-3
-#: Smallest ratio of the velocity's rate to the force's rate at which inertia has no effect
+#: Smallest ratio of two rates, of the velocity's and of the position's relaxation, at which inertia
+#: has no effect
 _MASSLESS = 1e4
 
 
 class Box(NamedTuple):
-    """Where light is intense: a region about the axis in which rings are sought, m."""
+    """Region of intense light about the axis, in which rings and equilibria are sought; in m."""
 
     width: float
     """distance from the axis"""
@@ -60,7 +61,7 @@ class Box(NamedTuple):
 
     @property
     def words(self) -> str:
-        """The region in words."""
+        """Extent of the box in words, for a message."""
         rim = self.width + self.reach * self.spread
         reach = printed(self.reach, "um", 3)
         return f"{printed(rim, 'um', 3)} from the axis and {reach} from the focus"
@@ -99,7 +100,7 @@ class Ring(Comparable):
 
     @property
     def position(self) -> Array:
-        """The place of the ring at y = 0, (3,) m from the focus."""
+        """Point of the ring at y = 0, (3,) m from the focus."""
         return fixed((self.radius, 0.0, self.height))
 
     @property
@@ -109,7 +110,7 @@ class Ring(Comparable):
 
     @property
     def rate(self) -> float:
-        """Turns round the axis, Hz."""
+        """Rate at which the bead circles the axis, Hz."""
         return self.speed / (2 * math.pi * self.radius)
 
 
@@ -162,6 +163,7 @@ def off_axis(radius: float, box: Box, force: Force, net_force: NetForce) -> Iter
             start = np.append(rho * to_side, z)
 
             def balance(place: Array) -> tuple[Array, Array]:
+                """Return the net force at a position, N, and the gradient of the light's, N/m."""
                 field = force.field(place[None], gradient=True)
                 return net_force(place[None])[0], field.force_gradient[0]
 
@@ -197,7 +199,10 @@ def _starts(box: Box, net_force: NetForce, to_side: Array) -> Iterator[Array]:
 
 
 def _size(start: Array, radius: float, net_force: NetForce) -> float:
-    """Return the largest force about a place, N."""
+    """Return the largest force one bead radius, m, from a position `start`, N.
+
+    It is the unit of the forces that Newton's method makes vanish.
+    """
     return float(np.linalg.norm(net_force(start + radius * np.eye(3)), axis=1).max())
 
 
@@ -267,6 +272,7 @@ def _balanced(
         return None
 
     def scaled(place: Array) -> tuple[Array, Array]:
+        """Return forces and gradient in units of `size` and of the bead's radius."""
         there = radius * place
         if np.linalg.norm(there - start) > farthest or np.linalg.norm(there) > known:
             raise AstrayError

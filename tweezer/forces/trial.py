@@ -58,17 +58,22 @@ _IN_PLACE = "'NoneType' object has no attribute 'args'"
 
 
 class _MisreadError(IndexError):
-    """An entry that does not exist, or that another reader reads."""
+    """Error of a function that reads an entry that does not exist, or by the wrong reader."""
 
 
 class _EndlessError(BaseException):
-    """A function that runs too many lines; a function cannot catch it as an `Exception`."""
+    """Error of a function that runs too many lines, which it cannot catch as an `Exception`."""
 
 
 def checked(function: Any) -> Any:
-    """Return a compiled function, and its helpers, with checks of indices and entries."""
+    """Return a user's compiled function as a copy that checks indices and the kinds of entries.
+
+    Functions of the user's that it calls are replaced by such copies too. Raises `ForceError` for
+    a use of memory that cannot be checked.
+    """
 
     def replace(each: Any, copy: Callable[[Any], Any]) -> Any:
+        """Return a compiled function with checks: a reader that checks, or a checked copy."""
         for reader, without in READERS.values():
             if each in (reader, without):
                 return reader
@@ -91,9 +96,10 @@ def checked(function: Any) -> Any:
 
 @functools.cache
 def plain(function: Any) -> Any:
-    """Return a function and its helpers as plain Python."""
+    """Return a user's compiled function, and all that it calls, as functions of plain Python."""
 
     def replace(each: Any, copy: Callable[[Any], Any]) -> Any:
+        """Return a compiled function as plain Python: a reader that checks, or a copy."""
         for axes, (name, readers) in enumerate(READERS.items()):
             if each in readers:
                 return functools.partial(_read, name, readers[1].py_func, axes)
@@ -119,7 +125,7 @@ class _Copies:
         self._made: dict[Any, Any] = {}
 
     def __call__(self, function: Any) -> Any:
-        """Return the copy of a function."""
+        """Return the copy of a function, with replaced globals and closure; made once for each."""
         if function in self._made:
             return self._made[function]
         names = set(_names(function.__code__))
@@ -206,6 +212,7 @@ def _as_compiled(function: Any) -> Any:
     other = getattr(np, _NUMPY.get(name, name), None)
 
     def within(*arguments: Any) -> Any:
+        """Return the value of the function, or NumPy's for arguments at which it raises."""
         try:
             return function(*arguments)
         except (ValueError, ArithmeticError):
@@ -216,7 +223,7 @@ def _as_compiled(function: Any) -> Any:
 
 @functools.cache
 def _mathematics() -> dict[Any, Any]:
-    """Return the replacements of `math` and its functions in plain Python."""
+    """Return replacements of `math` and of its functions, which raise nothing, by the originals."""
     module = ModuleType("math")
     found: dict[Any, Any] = {math: module}
     for name, each in vars(math).items():
@@ -228,7 +235,7 @@ def _mathematics() -> dict[Any, Any]:
 
 
 def first_look(function: Any, data: Data, *, gradient: bool, turns: bool) -> str:
-    """Run a function once for one bead and for three, and refuse errors at any pose.
+    """Run a user's function for one bead and for three, and refuse one that fails at every pose.
 
     Parameters
     ----------
@@ -399,6 +406,7 @@ def explained(function: Any, data: Data, pose: Pose, *, gradient: bool, wrong_er
     wrench = no_wrench(1, gradient=gradient)
 
     def is_wrong(now: Wrench) -> bool:
+        """Return whether the wrench has become invalid, in the way that is to be explained."""
         if wrong_error:
             return not (np.isfinite(now.error).all() and now.error.min() >= 0)
         return not all(np.isfinite(values).all() for values in now[:4])
@@ -422,10 +430,14 @@ def _first_line(
     wrench: Wrench,
     is_wrong: Callable[[Wrench], bool],
 ) -> int | None:
-    """Run a function, and return the first line after which its wrench is wrong."""
+    """Run a function, and return the number of the first line after which its wrench is wrong.
+
+    is_wrong: returns that of a wrench. None if the wrench never is.
+    """
     line, found = 0, None
 
     def look(next_line: int) -> None:
+        """Note the line before `next_line` if the wrench is wrong for the first time."""
         nonlocal line, found
         if found is None and line and is_wrong(wrench):
             found = line
@@ -442,7 +454,10 @@ def _place(function: Any, line: int) -> str:
 
 
 def _told(function: Any, error: BaseException) -> str:
-    """Return the message of an exception in one line."""
+    """Return a message for an exception that a function raised, in one line, with its line number.
+
+    For common mistakes it says what to do instead.
+    """
     code = function.py_func.__code__
     line = code.co_firstlineno
     for frame, number in traceback.walk_tb(error.__traceback__):
@@ -469,7 +484,7 @@ def _told(function: Any, error: BaseException) -> str:
 
 
 def refused(function: Any, error: Exception) -> ForceError:
-    """Return the error of a function that Numba cannot compile."""
+    """Return a `ForceError` for a function that Numba cannot compile, from Numba's error."""
     said = re.sub(r"\x1b\[[0-9;]*m", "", str(error))
     if "readonly array" in said or "read-only" in said or said == _IN_PLACE:
         problem = "writes to the pose or to an entry; change a copy of it"

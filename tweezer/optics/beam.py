@@ -34,7 +34,7 @@ LARGEST_DEGREE = 120
 
 @dataclass(frozen=True)
 class Cone:
-    """The light behind the lens: it converges on the focus, symmetric about the axis."""
+    """Cone of light behind the lens: it converges on the focus and is symmetric about the axis."""
 
     half_angle: float
     """rad, polar angle of the outermost rays"""
@@ -153,6 +153,7 @@ def intensity(lens: Lens, beam: Beam, medium: Medium) -> Profile:
         edge = min(lens.radius, _outermost(beam))
 
         def of_series(rho: Array) -> Array:
+            """Return the intensity, W/m^2, at pupil radii rho, m; 0 beyond the table."""
             sine, cosine = polar_sine_and_cosine(np.minimum(rho, edge), lens, medium)
             y = 1 - 2 * sine**2 / (1 + cosine) / _versine(shape.half_angle)
             radiance = power * Chebyshev(shape.series)(y)
@@ -310,6 +311,7 @@ def _profile(beam: Beam) -> Profile:
     scale = math.factorial(power)
 
     def ring(rho: Array) -> Array:
+        """Return t^n exp(-t)/n!, t = rho^2/(2 sigma^2): a bright ring."""
         t = rho**2 / two_variances
         return np.asarray(t**power / scale * np.exp(-t))
 

@@ -30,7 +30,7 @@ SPEED_OF_LIGHT = 299792458.0
 
 @dataclass(frozen=True, eq=False)
 class Light(ABC):
-    """The light of one beam, and the sphere it falls on."""
+    """Light of one beam, and the sphere that it falls on; subclasses add the theory of light."""
 
     cone: Cone
     """the light behind the lens"""
@@ -41,7 +41,7 @@ class Light(ABC):
 
     @property
     def strength(self) -> float:
-        """n_m P/c of all the light, N."""
+        """Momentum per time of all the light, n_m P/c, N: the unit of the forces of tables."""
         return self.momentum_per_energy * self.cone.power
 
     @property
@@ -83,7 +83,10 @@ def jones_vector(beam: Beam) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class LightForce(Force):
-    """The force of the light of one beam. Each evaluator is a subclass, in a file of its own."""
+    """Force of the light of one beam on a bead.
+
+    Each subclass evaluates it in another way: a sum over rays or waves, a quadrature or a table.
+    """
 
     light: Light
     """the light, and the sphere it falls on"""

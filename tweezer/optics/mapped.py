@@ -68,8 +68,10 @@ class Mapped(LightForce):
 
     @functools.cached_property
     def _with_gradient(self) -> Data:
+        """Data of the kernel, with a force outside the table that adds gradients."""
         return self._data(bound(self.outside, gradient=True))
 
     @functools.cached_property
     def _without_gradient(self) -> Data:
+        """Data of the kernel, with a force outside the table that adds no gradients."""
         return self._data(bound(self.outside, gradient=False))

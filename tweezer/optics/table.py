@@ -55,23 +55,23 @@ class Made(Protocol):
 
     @property
     def certified(self) -> float:
-        """Bound on the error of the force."""
+        """Bound on the error of the force within the range, in n_m P/c."""
 
     @property
     def largest(self) -> float:
-        """Largest force found within the range."""
+        """Largest force found within the range, in n_m P/c."""
 
     @property
     def reach(self) -> float:
-        """Range, distance from the focus."""
+        """Range of the table: largest distance from the focus, in the unit of its lengths."""
 
     @property
     def seconds(self) -> float:
-        """Time of the computation, s."""
+        """Time that the computation of the table took, s."""
 
     @property
     def count(self) -> int:
-        """Number of pieces."""
+        """Number of pieces of the table, each with its own polynomials."""
 
     def kernel(self, *, gradient: bool) -> Kernel:
         """Return the kernel that reads this table; gradient: whether it adds gradients too."""
@@ -108,17 +108,17 @@ class Table:
 
     @property
     def range(self) -> float:
-        """Largest distance from the focus, m."""
+        """Largest distance from the focus at which the table is read, m."""
         return self.made.reach * self.unit
 
     @property
     def pieces(self) -> int:
-        """Number of pieces."""
+        """Number of pieces of the table, each with its own polynomials."""
         return self.made.count
 
     @property
     def build_time(self) -> float:
-        """Time of the computation, s."""
+        """Time that the computation of the table took, s."""
         return self.made.seconds
 
 

@@ -31,14 +31,14 @@ Value = float | int | bool | str
 _MOST = 10**6
 #: Name of the dimension of a table of cases
 CASE = "case"
-#: Keys that change the light by a factor alone
+#: Keys of a beam that change the light by a factor alone
 _POWERS = ("power", "power_through_pupil")
 
 _RANGE = re.compile(r"(?P<low>.+?)\.\.(?P<high>[^:]+):(?P<count>[0-9]+)(?::(?P<spacing>log))?")
 
 
 class Varied(NamedTuple):
-    """A key and its values."""
+    """A key of a scene that a sweep varies, and its values."""
 
     key: str
     values: tuple[Value, ...]

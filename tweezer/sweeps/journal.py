@@ -33,6 +33,11 @@ class Journal:
     """
 
     def __init__(self, out: Path | None, identity: Mapping[str, Any], *, resume: bool) -> None:
+        """Begin a journal, or read one that was begun, and open it to append cases.
+
+        out: output of the sweep; None to keep the cases in memory. identity: attributes by which
+        the sweep is recognised. Raises `ResultError` if there is one that is not to be resumed.
+        """
         self.done: dict[int, Values] = {}
         self._out = out
         self._file: IO[str] | None = None
@@ -77,7 +82,7 @@ class Journal:
         return kept
 
     def take(self, case: int, values: Values) -> None:
-        """Record a case."""
+        """Record the values of a finished case, by its number."""
         self.done[case] = values
         if self._out is not None:
             with telling(self._out):
@@ -96,19 +101,19 @@ class Journal:
         return self._part.new()
 
     def close(self) -> None:
-        """Close the file, which stays."""
+        """Close the file of the journal, without which an interrupted sweep cannot be resumed."""
         if self._file is not None:
             with contextlib.suppress(OSError):  # on a full disk, which is reported already
                 self._file.close()
 
     def remove(self) -> None:
-        """Remove the file of a sweep whose store has its name."""
+        """Remove the journal and its folder, once the store of the sweep is complete."""
         if self._out is not None:
             self._part.remove()
 
 
 def part_of(out: Path) -> Part:
-    """Return the folder of a running sweep."""
+    """Return the folder for the journal of a sweep that writes `out`."""
     return Part(out, "sweep", _OWN)
 
 

@@ -40,7 +40,7 @@ _SIZES = ("bead.diameter", "bead.radius")
 _LONGEST = 64
 #: Number of times that a case is tried whose process dies
 _TRIES = 3
-#: Number of tasks in flight for each worker of a cluster
+#: Number of tasks that are submitted at a time, for each worker of a cluster
 _AHEAD = 2
 
 
@@ -122,6 +122,11 @@ class _Keeper:
         queue: deque[Task],
         results: SimpleQueue[Done | BaseException | None],
     ) -> None:
+        """Prepare the thread, which is not started.
+
+        asked: the computation of each case. queue: of tasks, which several threads share. results:
+        gets the cases as they are finished.
+        """
         self.asked, self.queue, self.results = asked, queue, results
         self.process: subprocess.Popen[str] | None = None
         self.stopped = False
@@ -153,7 +158,10 @@ class _Keeper:
             self.results.put(None)
 
     def _do(self, task: Task) -> None:
-        """Compute a task; a case whose process dies is tried again, in a fresh one."""
+        """Compute the cases of a task; one whose process dies is tried again in a new process.
+
+        After `_TRIES` deaths the case counts as failed.
+        """
         left, tries = deque(task), 0
         while left and not self.stopped:
             for case, values in self._computed(list(left)):

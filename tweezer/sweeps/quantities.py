@@ -84,6 +84,7 @@ class Asked:
 
     @functools.cached_property
     def _scene(self) -> Scene:
+        """The scene that the cases change, read from its JSON once."""
         return Scene.model_validate_json(self.scene)
 
     def check(self, scene: Scene) -> None:
@@ -101,7 +102,10 @@ class Asked:
 
     @functools.cached_property
     def own(self) -> tuple[Force, ...]:
-        """The forces, read. Raises `SceneError` if a file has changed since the sweep began."""
+        """The user's forces, read from their files if they are named by these.
+
+        Raises `SceneError` if a file has changed since the sweep began.
+        """
         found = forces_of(self.forces)
         if self.forces_from and origins_of(found) != self.forces_from:
             raise SceneError("forces: their file changed while the sweep ran; start a new sweep")

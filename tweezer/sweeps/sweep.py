@@ -229,7 +229,10 @@ def _check_some_case(asked: Asked, grid: Cases) -> None:
 
 
 def _workers_of(asked: Asked, workers: int | None, scheduler: object, out: object) -> int | None:
-    """Return the number of workers: 1 with forces that no other process can read."""
+    """Return the number of workers as given; 1 with forces that no other process can read.
+
+    Raises `SceneError` if other arguments do not fit such forces.
+    """
     if not asked.forces or asked.forces_from:
         return workers
     for name, given in (("workers", workers if workers != 1 else None), ("scheduler", scheduler),

@@ -36,6 +36,7 @@ class ByGrid(LightForce):
 
     @functools.cached_property
     def _data(self) -> Data:
+        """Data of the kernel: the rays and the sphere."""
         return grid_data(self.tiles, self.light.sphere, self.light.jones)
 
     def certain(self) -> ByQuadrature:
@@ -44,6 +45,7 @@ class ByGrid(LightForce):
 
     @functools.cached_property
     def _integral(self) -> ByQuadrature:
+        """Force of the same light by quadrature."""
         return to_tolerance(self.light, self.tolerance)
 
 

@@ -71,6 +71,7 @@ def _stored(
     tolerance, reach = scene.optics.table_tolerance, scene.table_radii
 
     def make() -> Made:
+        """Compute the map, by a quadrature that is more accurate than it."""
         return build(
             to_tolerance(in_radii, max(1e-13, _FINER * tolerance)).field,
             half_angle=rays.cone.half_angle,

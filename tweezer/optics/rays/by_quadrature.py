@@ -41,6 +41,7 @@ class ByQuadrature(LightForce):
 
     @functools.cached_property
     def _data(self) -> Data:
+        """Data of the kernel: the tables of nodes and the sphere."""
         return quadrature_data(self.rule, self.light.sphere, self.light.jones)
 
     def allowed_error(self, force: Array) -> Array:

@@ -96,7 +96,10 @@ def grid_kernel(rays: Rays) -> Kernel:
 
     @cached_njit(KERNEL, **SUMS)
     def sum_over_grid(pose, data, wrench):  # type: ignore[no-untyped-def]
-        """Add the force of the rays that may hit each bead, as a kernel."""
+        """Add the force of the rays that may hit each bead, as a kernel.
+
+        Entries of `data`: radius, m; n_m/n_P; Jones vector; fields of `Tiles`.
+        """
         radius, n_mP, jones = number(data, 0), number(data, 1), vector(data, 2)
         tiles = Tiles(matrix(data, 3), matrix(data, 4), vector(data, 5), vector(data, 6))
         found = np.empty(24)
@@ -104,7 +107,7 @@ def grid_kernel(rays: Rays) -> Kernel:
             p1, p2, p3 = pose.position[at, 0], pose.position[at, 1], pose.position[at, 2]
             found[:] = 0.0
             first = count = tiles.spread_cos.size
-            # the sum runs over each row of tiles without a gap
+            # the sum runs over each run of tiles that may be hit; the last round ends the last run
             for tile in range(count + 1):
                 hit = tile < count and near(tiles, tile, p1, p2, p3, radius)
                 if hit and first == count:

@@ -19,7 +19,7 @@ from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 
-#: How far the force is sampled evenly, and the distance of samples, in radii
+#: Distance up to which the force is sampled evenly, and the spacing of samples, in radii
 _NEAR, _SPACING = 20.0, 0.02
 #: Distances from the axis in the plane of the focus, and from the focus along the axis, up to which
 #: rings are sought, in radii
@@ -58,7 +58,7 @@ class RayLight(Light):
 
     @property
     def box(self) -> Box:
-        """Box of `Light.box` for a focus that is a point."""
+        """Box in which rings and positions off the axis are searched, about a point-like focus."""
         r = self.radius
         return Box(_ASIDE * r, r, _AHEAD * r, math.tan(self.cone.half_angle))
 

@@ -72,7 +72,10 @@ _APART_IN_CACHE = 72
 
 @cached_njit()
 def scratch():  # type: ignore[no-untyped-def]
-    """Return the workspace for the largest rule: a row for each quantity named above."""
+    """Return the workspace for the largest rule: an array with a row for each quantity of a ray.
+
+    The numbers of the rows are constants of this module, such as WEIGHT.
+    """
     return np.empty((_ROWS, 2 * MOST_RAYS + _APART_IN_CACHE))
 
 

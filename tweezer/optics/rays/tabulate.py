@@ -109,7 +109,7 @@ class Made:
 
     @property
     def count(self) -> int:
-        """Number of pieces."""
+        """Number of pieces of the table, each with its own polynomials."""
         return len(self.pieces)
 
     def kernel(self, *, gradient: bool) -> Kernel:
@@ -164,7 +164,7 @@ class _Task:
 
 @dataclass(frozen=True)
 class _Draft:
-    """Pieces of a table under construction."""
+    """Pieces of a table under construction: a Chebyshev series of the force on each cell."""
 
     cells: Integers
     """(n, 5): block, number of bisections along x and y, index along x and y from 0"""
@@ -179,6 +179,7 @@ class _Draft:
         return len(self.cells)
 
     def __getitem__(self, chosen: NDArray[np.bool_]) -> _Draft:
+        """Return the pieces that are marked in `chosen`, (n,)."""
         return _Draft(
             self.cells[chosen], self.head[chosen], self.series[chosen], self.tails[chosen]
         )

@@ -28,7 +28,7 @@ ComplexArray = NDArray[np.complex128]
 
 
 class Part(NamedTuple):
-    """Waves of one helicity and one angular momentum."""
+    """Part of the light: its plane waves of one helicity and one angular momentum."""
 
     helicity: int
     """+1 or -1"""
@@ -42,7 +42,10 @@ class Part(NamedTuple):
     """share of the light along e_phi in its amplitude"""
 
     def amplitude(self, theta: ComplexArray, phi: ComplexArray) -> ComplexArray:
-        """Return the part's amplitude, from the light's along e_theta and e_phi, `theta`, `phi`."""
+        """Return the amplitude of this part of the light.
+
+        theta, phi: amplitudes along e_theta and e_phi of plane waves of the whole light.
+        """
         return np.asarray(self.theta * theta + self.phi * phi)
 
 
@@ -58,7 +61,7 @@ class State:
 
     @property
     def pure(self) -> bool:
-        """Whether all of it is of helicity +1."""
+        """Whether all of the state's light is of helicity +1."""
         return all(part.helicity > 0 for part in self.parts)
 
 

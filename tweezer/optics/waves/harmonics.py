@@ -41,7 +41,10 @@ class Elements(NamedTuple):
 
 @functools.lru_cache(maxsize=8)
 def elements(highest: int) -> Elements:
-    """Return the matrix elements for m = -highest..highest, n = 0..highest."""
+    """Return the matrix elements between vector harmonics of degree n and order m.
+
+    They are for m = -highest..highest and n = 0..highest, see `Elements`; 0 where |m| > n or n = 0.
+    """
     n = np.arange(highest + 1.0)[None, :]
     m = np.arange(-highest, highest + 1.0)[:, None]
     there = np.broadcast_to((n >= np.maximum(np.abs(m), 1)), (m.size, n.size))

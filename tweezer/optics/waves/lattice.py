@@ -117,7 +117,7 @@ class Lattice:
 
     @property
     def count(self) -> int:
-        """Number of pieces."""
+        """Number of pieces of the table, each with its own polynomials."""
         return int(self.pieces.shape[0] * self.pieces.shape[1])
 
     def kernel(self, *, gradient: bool) -> Kernel:

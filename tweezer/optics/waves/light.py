@@ -15,15 +15,15 @@ from tweezer.optics.waves.focus import Face, Focus, State, states
 from tweezer.scene import Scene
 from tweezer.scene.theory import FARTHEST_IN_WAVES
 
-#: How far the force is sampled evenly, in radii and in wavelengths in the medium, which add up: a
-#: small bead's trap reaches many radii
+#: Distance up to which the force is sampled evenly: so many radii plus so many wavelengths in the
+#: medium, as a small bead's trap reaches many radii
 _RADII, _WAVELENGTHS = 5.0, 10.0
-#: Distance of samples, in wavelengths in the medium: the force ripples at half a wavelength
+#: Spacing of samples, in wavelengths in the medium: the force ripples at half a wavelength
 _SPACING = 0.05
 #: Search range for rings, in addition to the bead's radius and diameter: from the axis in the focal
 #: plane, in 1/(k sin theta), and along the axis, in depths of focus 2/(k sin^2 theta)
 _ASIDE, _DEPTHS = 6.0, 6.0
-#: Distance from an equilibrium at which the force must pull back, in those of samples
+#: Distance from an equilibrium at which the force must pull back, in spacings of samples
 _BESIDE = 0.1
 
 
@@ -68,7 +68,7 @@ class Waves(Light):
 
     @functools.cached_property
     def focus(self) -> Focus:
-        """The plane waves behind the lens."""
+        """Plane waves behind the lens."""
         return Focus(self.cone, self.face)
 
     @property

@@ -46,7 +46,7 @@ class Variable:
     half_angle: float
     """rad, of the cone"""
     of_angle: bool
-    """whether it is theta"""
+    """whether the variable is theta"""
 
     @property
     def phases(self) -> tuple[float, float]:
@@ -101,7 +101,10 @@ class Nodes:
 
     @property
     def error(self) -> float:
-        """Allowed error: larger than wanted if the light's series does not converge so far."""
+        """Error of the integrals, as a part of the integral of the light's amplitude.
+
+        It is larger than `wanted` if the series of the light does not converge so far.
+        """
         return self._series[2]
 
     @functools.cached_property
@@ -163,7 +166,7 @@ class Nodes:
 
     @functools.cached_property
     def variable(self) -> Variable:
-        """The variable of integration."""
+        """Variable of integration in which the light's amplitude is the smoother one."""
         return self._series[0]
 
     def up_to(self, phase: float) -> list[Rule]:

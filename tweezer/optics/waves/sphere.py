@@ -40,11 +40,14 @@ class _Solutions:
     decay: Number
 
     def ratio(self) -> Array:
-        """Return psi_n over the second solution, times exp(2 i decay)."""
+        """Return psi_n over the second solution, times exp(2 i decay), for n = 1, 2, ..."""
         return np.cumprod(self.steps)
 
     def ratio_over(self, outer: _Solutions) -> Array:
-        """Return the ratio of psi_n to the second solution here over the same ratio at `outer`."""
+        """Return the ratio of psi_n to the second solution here, over that ratio at `outer`.
+
+        The exponentials of both, which may overflow, are divided first.
+        """
         across = np.exp(2j * (outer.decay - self.decay)) if outer.decay else 1.0
         return across * np.cumprod(self.steps / outer.steps)
 
@@ -141,7 +144,7 @@ def mie_coefficients(
 
 
 def _change(c: NDArray[np.complex128], d: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Return (1 - 2 c)* (1 - 2 d) - 1, without the cancellation for small c and d."""
+    """Return (1 - 2 c)* (1 - 2 d) - 1 (* conjugates) without cancellation for small c and d."""
     return 4 * c.conj() * d - 2 * (c.conj() + d)
 
 
