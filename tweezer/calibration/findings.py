@@ -73,11 +73,13 @@ class Finding:
     """Reason not to trust a record or an estimate, with a name and a text."""
 
     name: str
-    """of the digits: "lost", "repeated", "interpolated", "copied", "rounded", "turns", "order"; of
-    the record: "stuck", "clipped", "start", "outlier", "free", "drift", "halves", "line",
-    "noise", "blur", "exposure", "spectrum", "drag"; of a number: "one-call", "few", "apart",
+    """short name. About the digits: "lost", "repeated", "interpolated", "copied", "rounded",
+    "turns", "order"; about the record: "stuck", "clipped", "start", "outlier", "free", "drift",
+    "halves", "line", "noise", "blur", "exposure", "spectrum", "drag"; about a number: "one-call",
+    "few", "apart",
     "undetermined\""""
     text: str
+    """sentence for the user"""
 
 
 def in_words(findings: Iterable[Finding]) -> str:

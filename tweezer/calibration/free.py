@@ -142,9 +142,9 @@ class Diffusion(Result):
     findings: tuple[Finding, ...]
     """reasons not to trust the diffusion"""
     remarks: tuple[str, ...]
-    """what was left out, or widens the interval"""
+    """remarks about steps that were left out or that widen the interval"""
     axes: ByAxis[FreeAxis]
-    """by number or by name: axes["x"]"""
+    """diffusion along each axis alone, by number or by name: axes["x"]"""
     tracks: tuple[FreeTrack, ...] = ()
     """results of the single tracks, if there are several"""
     homogeneity: float | None = None
@@ -192,7 +192,7 @@ class Diffusion(Result):
     def line(self, unit: str, seen: str = _NO_TRAP) -> str:
         """Return the diffusion of a recording in "m" or "V" in one line.
 
-        `seen` is what the line says of the bead before its diffusion.
+        `seen` is the text before the diffusion, about whether a trap was detected.
         """
         axes = ", ".join(each.axis for each in self.axes)
         found = _with_interval(self.coefficient(unit), self.interval)

@@ -61,7 +61,7 @@ class Potential(Result):
     """curvature of the parabola fitted within 2 k_B T of the bottom, N/m; None with fewer than 5
     bins there, or a negative curvature"""
     uncertainty: float | None
-    """its standard uncertainty, N/m"""
+    """standard uncertainty of `stiffness`, N/m"""
     minimum: float | None
     """bottom of the parabola, m"""
 

@@ -247,7 +247,7 @@ class Calibration(Result):
 
     name: str
     temperature: float
-    """K"""
+    """temperature of the medium, K"""
     drag: float | None
     """drag of the bead far from any wall, kg/s; None if fitted"""
     mass: float | None
@@ -263,24 +263,24 @@ class Calibration(Result):
     """standard deviation of the noise of the detector, m or V, along the first axis if each has its
     own; None without, or fitted"""
     unit: str
-    """of the record: "m" or "V\""""
+    """unit of the record, "m" or "V\""""
     samples: int
     step: float
-    """s"""
+    """sampling interval, s"""
     note: str
-    """what was omitted from the recording"""
+    """samples that were omitted from the recording, in words"""
     axes: ByAxis[AxisCalibration]
-    """by number or by name: axes["x"]"""
+    """calibration of each axis, by number or by name: axes["x"]"""
     wall: Height | None = None
     """the bead's height above a wall; None if not given"""
     free: Diffusion | None = None
     """diffusion along the axes without a detected trap; None if a trap is detected along all"""
     left_out: LeftOut = NOTHING
-    """what was left out of the record, and of the fits"""
+    """drift and bands left out of the record, and the frequency range of the fits"""
     radius: float | None = None
-    """of the bead, m; None if not known"""
+    """radius of the bead, m; None if unknown"""
     viscosity: float | None = None
-    """of the medium, Pa s; None if not known"""
+    """viscosity of the medium, Pa s; None if unknown"""
 
     @property
     def trapped(self) -> list[AxisCalibration]:

@@ -75,7 +75,7 @@ class Known:
     """drag by axis at the position of the bead, kg/s; unknown axes are missing"""
 
     def bead(self, axis: str, step: float) -> TrappedBead:
-        """Return the bead of an axis, recorded every `step` (s); what is not known is NaN."""
+        """Return the bead of an axis, sampled every `step`, s, with NaN for unknown numbers."""
         wall, detector = self.wall, self.detector
         frequency, fraction = detector.diode or (None, 0.0)
         return TrappedBead(
@@ -115,7 +115,8 @@ class Setup:
     def of(self, recording: Recording) -> Known:
         """Return the known quantities of a recording, from this setup and the scene of a run.
 
-        Raises `ResultError`, which names the recording, for what is wrong, missing or contradicts.
+        Raises `ResultError` with the name of the recording if a quantity is invalid or missing, or
+        contradicts another one.
         """
         name, scene = recording.name, recording.scene
         given = {

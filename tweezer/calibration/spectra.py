@@ -203,19 +203,21 @@ def _overlap(v: NDArray[Any]) -> NDArray[Any]:
 class TrappedBead:
     """Bead in a harmonic trap, m x'' + drag + k x = thermal noise, and its recording.
 
-    Without a mass it is overdamped: the Ornstein-Uhlenbeck process. Drag is beta x', or with the
-    mass of the displaced fluid that of Boussinesq and Basset, gamma(s) = beta (1 + sqrt(s tau_f) +
-    s tau_f/9) with tau_f = 9 m_f/(2 beta): it remembers, and adds m_f/2 to the mass. In time it is
-    a sum of exponentials (`tweezer.fluid.memory`). Beside a wall it is that of
-    `tweezer.fluid.reflection`.
+    x is the position, m the mass and k the stiffness. Without a mass the bead is overdamped (the
+    Ornstein-Uhlenbeck process). The drag is beta x'. With the mass m_f of the displaced fluid, it
+    is the drag of Boussinesq and Basset, whose Laplace transform is gamma(s) = beta (1 + sqrt(s
+    tau_f) + s tau_f/9) with tau_f = 9 m_f/(2 beta). It has a memory of earlier motion, and adds
+    m_f/2 to the mass. The memory is a sum of exponentials in time (`tweezer.fluid.memory`). Beside
+    a wall the drag includes the reflected flow (`tweezer.fluid.reflection`).
 
-    A detector gives `response` volts a metre (1 for positions in metres), of which a diode lets a
-    part a of the light through at once and the rest late: its power is a^2 + (1 - a^2)/(1 +
-    (f/f_3)^2) (K. Berg-Sorensen et al., Rev. Sci. Instrum. 77, 063106 (2006)). By that a decay
-    e^-rt becomes a^2 e^-rt + (1 - a^2) (w^2 e^-rt - r w e^-wt)/(w^2 - r^2), w = 2 pi f_3. What is
-    recorded is the mean over the exposure (motion blur: W. P. Wong and K. Halvorsen, Opt. Express
-    14, 12517 (2006)): a decay e^-rt becomes (sinh(rW/2)/(rW/2))^2 e^-rt from t = W on, and
-    2 (rW - 1 + e^-rW)/(rW)^2 at t = 0; and white noise.
+    The autocovariance of the position is a sum of decays e^-rt with rates r. A detector multiplies
+    the position by `response`, V/m (1 for positions in metres). A photodiode detects a fraction a
+    without delay and the rest late. It multiplies the power at the frequency f by a^2 + (1 - a^2)/
+    (1 + (f/f_3)^2) (K. Berg-Sorensen et al., Rev. Sci. Instrum. 77, 063106 (2006)). A decay e^-rt
+    becomes a^2 e^-rt + (1 - a^2) (w^2 e^-rt - r w e^-wt)/(w^2 - r^2), with w = 2 pi f_3. Each
+    sample is the mean over the exposure W (motion blur: W. P. Wong and K. Halvorsen, Opt. Express
+    14, 12517 (2006)). A decay e^-rt becomes (sinh(rW/2)/(rW/2))^2 e^-rt for t of W or more, and 2
+    (rW - 1 + e^-rW)/(rW)^2 at t = 0. White noise adds to each sample.
     """
 
     stiffness: float
@@ -385,16 +387,16 @@ class TrappedBead:
         return covariance
 
     def mean_squared_displacement(self, times: ArrayLike) -> Array:
-        """<(x(t) - x(0))^2>, m^2 or V^2, of recorded positions, at `times` (s)."""
+        """Return <(x(t) - x(0))^2>, m^2 or V^2, of recorded positions x, at `times` t, s."""
         return 2 * (self.variance - self.autocovariance(times))
 
     def spectrum(self, frequencies: ArrayLike) -> Array:
-        """One-sided power spectral density, m^2/Hz or V^2/Hz, of the signal at `frequencies` (Hz).
+        """Return the one-sided power spectral density, m^2/Hz or V^2/Hz, at `frequencies` f, Hz.
 
-        Before it is sampled, and without noise. The Lorentzian, with a mass its inertial form, and
-        with the mass of the fluid its hydrodynamic form, without approximation (K. Berg-Sorensen
-        and H. Flyvbjerg, Rev. Sci. Instrum. 75, 594 (2004)); times what the diode lets through, and
-        sinc^2(f W) for the exposure.
+        It is the density of the signal before it is sampled, without noise. It is a Lorentzian,
+        with a mass its inertial form, and with the mass of the fluid its hydrodynamic form, without
+        approximation (K. Berg-Sorensen and H. Flyvbjerg, Rev. Sci. Instrum. 75, 594 (2004)). It is
+        multiplied by the response of the diode and by sinc^2(f W) for the exposure W.
         """
         f = np.asarray(frequencies, np.float64)
         s = 2j * np.pi * f

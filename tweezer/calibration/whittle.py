@@ -118,16 +118,19 @@ class Evidence(Protocol):
 
 @dataclass(frozen=True)
 class Periodogram:
-    """A periodogram averaged over blocks in which the spectrum is nearly constant."""
+    """Periodogram of a record, averaged over blocks in which the spectrum is nearly constant.
+
+    Its ordinates are the densities at the Fourier frequencies. Densities are in V^2/Hz for volts.
+    """
 
     frequencies: Array
-    """(blocks,) Hz, the mean of each block"""
+    """(blocks,) Hz, mean frequency of each block"""
     density: Array
-    """(blocks,) m^2/Hz"""
+    """(blocks,) m^2/Hz, mean one-sided power spectral density of each block"""
     counts: Array
-    """(blocks,) number of ordinates"""
+    """(blocks,) number of ordinates in each block"""
     step: float
-    """s"""
+    """sampling interval, s"""
     samples: float
     """number of samples of the record; infinite if leakage is left out"""
     floor: float
@@ -267,7 +270,7 @@ class Periodogram:
 
 @dataclass(frozen=True)
 class WhittleFit:
-    """The bead whose spectrum fits a periodogram best."""
+    """Bead whose spectrum fits a periodogram best, with the uncertainties of its parameters."""
 
     bead: TrappedBead
     periodogram: Periodogram

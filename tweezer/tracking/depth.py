@@ -130,35 +130,39 @@ class DepthFit(Shown):
     """Initial position of a bead along the light, in SI units; z is measured from the focus."""
 
     name: str
-    """of the track"""
+    """name of the track"""
     scene: str
+    """name of the scene"""
     z: float
-    """m, of the largest likelihood"""
+    """m, initial z of largest likelihood"""
     intervals: tuple[tuple[float, float], ...]
-    """m, 95 % confidence by profile likelihood: as many pieces as there are"""
+    """m, ends of the pieces of the 95 % confidence interval of z, by profile likelihood"""
     determined: bool
-    """whether that is one piece, shorter than half the search, that does not meet its ends, of a
-    profile without jumps about it, and the residuals are white"""
+    """whether the interval is one piece, shorter than half the search and not at its ends, the
+    profile has no jumps near it, and the residuals are white"""
     statement: str
-    """what the track tells, in words"""
+    """sentence about what the track determines, and the doubts about it"""
     minima: tuple[Minimum, ...]
-    """of the misfit, best first"""
+    """minima of the misfit, best first"""
     noise: float
     """m, standard deviation of a coordinate, given or fitted"""
     parameters: tuple[Parameter, ...]
+    """other fitted quantities"""
     search: tuple[float, float]
-    """m"""
+    """m, range of initial z that was searched"""
     start_time: float
-    """s, of the first frame with both coordinates: z is where the bead was as it began"""
+    """s, time of the first frame with both coordinates, at whose beginning the bead was at z"""
     frames: int
+    """number of frames"""
     outliers: int
-    """coordinates that are rather not the bead's"""
+    """number of coordinates that are outliers with a probability above 1/2"""
     p_value: float
-    """how probable residuals are that are as far from white"""
+    """probability of residuals that deviate as much or more from white noise"""
     profile: tuple[tuple[float, float], ...]
-    """z, m, and least misfit with the start there; without starts that cannot be followed"""
+    """pairs of an initial z, m, and the smallest -2 log(likelihood) there over the other fitted
+    quantities; without z from which no motion can be followed"""
     path: Filtered | None = None
-    """at the best fit; None if it was loaded from a file of `tweezer fit-depth --out`"""
+    """filtered track at the best fit; None if loaded from a file of `tweezer fit-depth --out`"""
 
     def card(self) -> Card:
         """Card with the initial z, its interval, other minima, parameters and residuals."""

@@ -1,32 +1,36 @@
-"""Kalman filter of a bead in the light, of which a camera sees two or three coordinates.
+"""Kalman filter of a bead in the light, of which a camera records two or three coordinates.
 
-Between two frames the bead goes by an emitted model of its translation and thermal noise, without
+Between two frames the bead moves by an emitted model of its translation and thermal noise, without
 inertia (5.2) or with it (A.25, 4.17):
 
     dx = u dt + sqrt(2 D) dW,    or    dx = (w/tau) dt,  dw = (u(x) - w/tau) dt + sqrt(2 D) dW,
 
-u = (F + W)/beta_v, D = k_B T/beta_v, w = tau v. The filter's state is that of the model with
-tau v in place of v: all of it in metres. Where the mobility mu depends on the place, as beside a
-wall, u = mu (F + W) + k_B T dmu/dz and D = k_B T mu there (D. L. Ermak and J. A. McCammon, J. Chem.
-Phys. 69, 1352 (1978)); without inertia alone. The mean of mu F over the spread P differs from that
-at the mean by (dmu/dz)(dF/dx)P, which cancels k_B T dmu/dz in a trap, and d2mu/dz2 is left out: so
-a bead at rest has the mean and the variance of Boltzmann, in a trap or under its weight. The noise
-of a step is the mean of that at its ends. The distribution of its state is taken as Gaussian:
-the mean goes by the force, the covariance by its Jacobian at the mean (the extended Kalman filter:
-A. H. Jazwinski, Stochastic Processes and Filtering Theory, 1970, 8.3), in steps of the exponential
-Rosenbrock method of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer, SIAM J. Numer. Anal. 47,
-786 (2009)), whose exponentials are by doubling the step: a linear force is exact over any step. The
-force bends within about a radius: a distribution as wide as that is not Gaussian, and the filter's
-likelihood of what comes after means little. A narrower one stops to be Gaussian where the bead
-falls far between two frames; there it is taken as wide as its longer tail (`_predict`).
+u = (F + W)/beta_v, D = k_B T/beta_v, w = tau v. Here x is the position, v the velocity, F the
+optical force, W the weight, beta_v the drag coefficient, tau the relaxation time of the velocity
+and dW an increment of Brownian motion. The filter's state contains w = tau v in place of v, so that
+all of it is in metres. If the mobility mu depends on the position, as beside a wall, u = mu (F + W)
++ k_B T dmu/dz and D = k_B T mu (D. L. Ermak and J. A. McCammon, J. Chem. Phys. 69, 1352 (1978)),
+which is available without inertia only. The mean of mu F over the covariance P differs from its
+value at the mean by (dmu/dz)(dF/dx)P, which cancels k_B T dmu/dz in a trap; d2mu/dz2 is left out.
+So a bead at rest has Boltzmann's mean and variance, in a trap or under its weight. The noise of a
+step is the mean of the noise at its ends.
 
-A frame shows the mean of the position over its exposure T (blur): the state is extended by the
-integral of the position over T, dI = x dt/T, which is 0 where a frame begins. Without exposure a
-frame shows the position itself.
+The distribution of the state is assumed to be Gaussian. The force propagates the mean, and its
+Jacobian at the mean the covariance (the extended Kalman filter: A. H. Jazwinski, Stochastic
+Processes and Filtering Theory, 1970, 8.3). The steps are those of the exponential Rosenbrock method
+of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer, SIAM J. Numer. Anal. 47, 786 (2009)). Their
+exponentials are computed by doubling the step, so that a linear force is exact over any step. The
+force is not linear over more than about a radius. A distribution as wide as that is not Gaussian,
+and the likelihood of later frames means little. A narrower one becomes skew if the bead falls far
+between two frames; it is then widened to its longer tail (`_predict`).
 
-A coordinate seen is the bead's and Gaussian noise, or, with a small probability, a number from
-anywhere; the state is corrected in proportion to the probability that it is the former (Y.
-Bar-Shalom and E. Tse, Automatica 11, 451 (1975)).
+A frame shows the mean of the position over its exposure T (motion blur). So the state is extended
+by the integral of the position over T, dI = x dt/T, which is 0 when a frame begins. Without
+exposure a frame shows the position itself.
+
+A recorded coordinate is the bead's with Gaussian noise or, with a small probability, an outlier.
+The state is corrected in proportion to the probability that it is the bead's (Y. Bar-Shalom and E.
+Tse, Automatica 11, 451 (1975)).
 """
 
 from __future__ import annotations

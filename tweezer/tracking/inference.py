@@ -97,9 +97,9 @@ class SceneFit(Shown):
     p_value: float
     """probability of spectra that deviate as much or more from those of the scene"""
     likelihood: str
-    """what was compared with the scene, in words: bands, steps and inertia"""
+    """words for the fitted spectra: frequencies, sampling intervals and inertia"""
     statement: str
-    """what the recordings tell, in words"""
+    """sentences about which keys the recordings determine, and the doubts about them"""
 
     @property
     def determined(self) -> bool:

@@ -22,11 +22,11 @@ class MeanSpring(NamedTuple):
     """Mean position, stiffness and drag of a bead in a trap."""
 
     position: Array
-    """(3,) m"""
+    """(3,) mean position of the bead, m"""
     stiffness: Array
-    """(3,) N/m, along the axes"""
+    """(3,) mean stiffness along the axes, N/m"""
     drag: Array
-    """(3,) kg/s, along the axes"""
+    """(3,) one over the mean mobility along the axes, kg/s"""
 
 
 def _cubature() -> tuple[Array, Array]:

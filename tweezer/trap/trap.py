@@ -111,7 +111,7 @@ class Trap(Comparable, Result):
     escapes: tuple[Escape, ...]
     """escapes from `equilibrium`, one for each of `DIRECTIONS`; empty without an equilibrium"""
     evaluator: str
-    """how the force was computed: "grid", "quadrature", ..., or "dark" """
+    """method that computed the force: "grid", "quadrature", ..., or "dark" """
     force_error: float
     """largest error of the forces, N: estimated, or certified by the map, or for the grid the
     distance to the quadrature"""
@@ -128,8 +128,8 @@ class Trap(Comparable, Result):
     caveat: str | None
     """error of ray optics for this bead in words (`ray_optics_caveat`); None with wave optics"""
     ray_optics: RayOpticsWorth | None
-    """the same in numbers: errors of equilibrium, stiffness and escape forces; None with the user's
-    own forces"""
+    """errors of ray optics in equilibrium, stiffness and escape forces; None with the user's own
+    forces"""
     other_forces: int = 0
     """number of the user's own forces"""
 
