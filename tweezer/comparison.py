@@ -190,7 +190,9 @@ class Comparison(Shown):
     """how it was compared, and what was not"""
 
     def card(self) -> Card:
-        """The verdict, a row for each quantity, and what differs in how they were made."""
+        """Return the card with the verdict, a row for each quantity, and differences in how they
+        were made.
+        """
         verdict = "agree within their errors" if self.agrees else "differ"
         rows = [Row("verdict", "the same numbers" if self.same else verdict)]
         rows += [
@@ -210,7 +212,7 @@ Given = xr.Dataset | Result | str | Path
 
 
 def compare(a: Given, b: Given) -> Comparison:
-    """Whether two results agree within their errors, and where they do not.
+    """Test whether two results agree within their errors, and report where they do not.
 
     a, b: two runs, two ensembles (trajectories or statistics), two sweeps, two traps, two
     calibrations or two walls found by calibrations; or their files: .nc, .zarr, and the .json of
@@ -556,6 +558,7 @@ def _about(attributes: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _keys(scene: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of a scene by `section.key`, without texts such as its description."""
     return by_key({key: value for key, value in scene.items() if isinstance(value, dict | list)})
 
 
@@ -569,6 +572,7 @@ def _of_run(name: str, run: xr.Dataset, about: dict[str, Any]) -> Source:
     if scene_of(run).forces.brownian:
 
         def by_chance(_: NDArray[np.int64]) -> Found:
+            """Return mean and variance over time, of the samples with a position."""
             held = places[np.isfinite(places).all(axis=1)]
             lost = len(places) - len(held)
             if not len(held):
@@ -590,6 +594,9 @@ def _of_run(name: str, run: xr.Dataset, about: dict[str, Any]) -> Source:
         raise ResultError(f"{name}: the error of its integration is not known")
 
     def certain(at: NDArray[np.int64]) -> Found:
+        """Return the positions at the times with these indices, with the integration error as
+        bound.
+        """
         position = Numbers(
             "m", places[at], np.full(len(at), bound), lambda i: f"at {_ms(times[at[i[0]]])}"
         )
@@ -649,6 +656,11 @@ def _of_ensemble(name: str, runs: xr.Dataset, about: dict[str, Any]) -> Source:
         raise ResultError(f"{name}: has {n} trajectories; a comparison needs {_INDEPENDENT}")
 
     def found(at: NDArray[np.int64]) -> Found:
+        """Return the moments at the times with these indices, and the lost part, with standard
+        errors.
+
+        Moments of fewer than 20 beads have no error, so they are not compared.
+        """
         places = runs["position"].isel(time=at).values
         left = np.isfinite(places).sum(axis=0)
         with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # none is left
@@ -661,6 +673,7 @@ def _of_ensemble(name: str, runs: xr.Dataset, about: dict[str, Any]) -> Source:
         errors = (np.where(few, np.nan, each) for each in (np.sqrt(variance / left), of_variance))
 
         def where(i: tuple[int, ...]) -> str:
+            """Return time and axis of an error."""
             return f"at {_ms(times[at[i[0]]])} {_along(i)}"
 
         share = lost.mean()
@@ -695,6 +708,7 @@ def _of_statistics(name: str, gathered: xr.Dataset, about: dict[str, Any]) -> So
     window = [gathered.attrs.get(key) for key in ("samples_per_window", "samples", "duration")]
 
     def found(at: NDArray[np.int64]) -> Found:
+        """Return means and variances, at the times with these indices if they depend on time."""
         numbers = {}
         for key, each in gathered.data_vars.items():
             of, _, moment = str(key).rpartition("_")
@@ -712,6 +726,7 @@ def _of_statistics(name: str, gathered: xr.Dataset, about: dict[str, Any]) -> So
             freedom = (parts - 1.0).broadcast_like(values).transpose(*values.dims).values
 
             def where(i: tuple[int, ...], timed: bool = over_time) -> str:
+                """Return time, if any, and axis of an error."""
                 return f"at {_ms(times[at[i[0]]])} {_along(i)}" if timed else _along(i)
 
             part = f"window {window}" if not over_time else "trajectory"
@@ -747,12 +762,14 @@ def _of_sweep(name: str, swept: xr.Dataset, about: dict[str, Any]) -> Source:
         return np.broadcast_to(parts.round().reshape(parts.shape + added) - 1, shape)
 
     def found(_: NDArray[np.int64]) -> Found:
+        """Return the variables that have an error, and the outcome of each case."""
         numbers = {}
         for key, each in swept.data_vars.items():
             error = each.attrs.get("ancillary_variables")
             if error in swept:
 
                 def where(i: tuple[int, ...], dims: tuple[Any, ...] = each.dims) -> str:
+                    """Return the values of the swept keys of the case with an error."""
                     named = zip(dims, i, strict=True)
                     return ", ".join(f"{dim} {_value(swept, dim, k)}" for dim, k in named)
 

@@ -30,7 +30,10 @@ app.add_typer(bench, name="bench")
 
 
 def _add_benchmark(name: str, report_name: str, told: str) -> None:
-    """The command `tweezer bench NAME`: its modules are tests/benchmarks/NAME.py and REPORT.py."""
+    """Add the command `tweezer bench NAME`, which runs a benchmark and prints its report.
+
+    name, report_name: modules of tests/benchmarks. told: help of the command.
+    """
 
     @bench.command(name, help=told)
     def measured(

@@ -65,6 +65,7 @@ def warmup(
         from tweezer.compiled import compilation, found
 
         def say(compiling: Compilation) -> None:
+            """Show which function is being compiled."""
             status.update(f"compiling {compiling.latest}, {compiling.seconds:.0f} s so far")
 
         with compilation(say) as compiling:

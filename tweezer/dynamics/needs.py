@@ -86,12 +86,16 @@ class Facts:
 
     @functools.cached_property
     def model(self) -> Model:
-        """Model that the scene names, or has been given; `full` before."""
+        """Model of motion that the scene names or that was chosen for it; `full` if it is still
+        open.
+        """
         return MODELS[self.problem.scene.simulation.model or "full"]
 
     @functools.cached_property
     def method(self) -> Method | None:
-        """Method that the scene names, or has been given; None before."""
+        """Method of integration that the scene names or that was chosen for it; None if it is still
+        "auto".
+        """
         return METHODS.get(self.problem.scene.simulation.method)
 
     def has(self, trait: str) -> bool:

@@ -166,6 +166,7 @@ def styled(function: Callable[_P, _T]) -> Callable[_P, _T]:
 
     @functools.wraps(function)
     def inner(*args: _P.args, **keywords: _P.kwargs) -> _T:
+        """Draw in the style of this module."""
         with mpl.rc_context(_PARAMETERS):
             return function(*args, **keywords)
 

@@ -60,9 +60,9 @@ class _Panel(NamedTuple):
 
 @style.styled
 def sweep_figure(result: xr.Dataset) -> Figure:
-    """The main quantities of a sweep over one or two of its keys.
+    """Draw the main quantities of a sweep over one or two of its keys.
 
-    Two ranges of numbers give maps: of a trap its depth, where it holds the bead, with the line of
+    Two ranges of numbers give maps: for a trap its depth, where it holds the bead, with the line of
     10 k_B T, and its stiffness. One gives curves with their errors; beside a few values of a second
     key, or a few cases, each has its own curve. Cases that failed, and those in which nothing holds
     the bead, are marked. Raises `ResultError` for sweeps over more: select first, with `.sel`.

@@ -1,4 +1,4 @@
-"""Arrays in files of NumPy and MATLAB."""
+"""Tables from arrays in files of NumPy and MATLAB."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _DEPTH = 4
 
 
 def open_numpy(path: Path) -> Table:
-    """The columns of a .npy, or of the arrays of a .npz by their names."""
+    """Return the columns of a .npy file, or those of the arrays in a .npz file by their names."""
     if path.suffix.lower() == ".npz":
         with zipfile.ZipFile(path) as packed:
             if any(each.file_size > _MOST_BYTES for each in packed.infolist()):
@@ -56,7 +56,7 @@ def open_numpy(path: Path) -> Table:
 
 
 def open_matlab(path: Path) -> Table:
-    """The columns of a .mat of version 4 to 7."""
+    """Return the columns of a .mat file of version 4 to 7."""
     from scipy.io import loadmat, matlab, whosmat
 
     if matlab.matfile_version(path)[0] == 1:
@@ -80,7 +80,10 @@ def open_matlab(path: Path) -> Table:
 
 
 def _fields(variables: Any, depth: int, before: str = "") -> Iterator[tuple[str, Any]]:
-    """Variables, and fields of structures, by their names with dots."""
+    """Yield variables, and fields of structures, with their names joined by dots.
+
+    depth: levels of structures that are read.
+    """
     from scipy.io import matlab
 
     of = variables if isinstance(variables, dict) else vars(variables)
@@ -95,7 +98,10 @@ def _fields(variables: Any, depth: int, before: str = "") -> Iterator[tuple[str,
 
 
 def table_of_arrays(name: str, arrays: dict[str, NDArray[Any]]) -> Table:
-    """The columns of arrays: each a column, or rows of several. A number alone may be the rate."""
+    """Return the columns of arrays, each a column or several.
+
+    A single number may be the sampling rate.
+    """
     columns: list[Column] = []
     places: list[tuple[NDArray[Any], int]] = []
     scalars = {}
@@ -110,6 +116,7 @@ def table_of_arrays(name: str, arrays: dict[str, NDArray[Any]]) -> Table:
         places += [(array, number) for number in range(len(found))]
 
     def numbers(chosen: Sequence[int]) -> list[Array]:
+        """Return the numbers in the columns with these indices."""
         return [column_of(*places[index]) for index in chosen]
 
     return Table(name, columns, numbers, rate_beside=rate_among(scalars))

@@ -517,6 +517,7 @@ def _others(table: Table, lacking: list[str], used: Set[int]) -> Iterator[str]:
     left = [index for index in range(len(table.columns)) if index not in used]
 
     def fits(index: int, quantity: str) -> bool:
+        """Return whether the unit of a column belongs to a quantity."""
         column = table.columns[index]
         unit = understood(column.heading).unit or column.unit or column.heading.rpartition("[")[2]
         return is_unit(unit.rstrip("]"), quantity)

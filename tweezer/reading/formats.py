@@ -1,4 +1,4 @@
-"""The kinds of files that tables are read from."""
+"""Choice of the reader of a table by the format of its file."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ _CALLED = {
 def read_table(path: Path, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
     """Return the columns of a file that are wanted, by the bead (`read`).
 
-    Raises `ResultError` for a file of another kind, one that is damaged, or has more samples than
-    are read, and where `read` does.
+    Raises `ResultError` for a file of another format, a damaged one, or one with too many samples,
+    and where `read` does.
     """
     kind = path.suffix.lower()
     if kind not in RECORDINGS:
@@ -59,6 +59,7 @@ def _refuse_unnamed(text: Table, reading: Reading) -> None:
 
 
 def _opened(path: Path, kind: str) -> Table:
+    """Return the table in a file with the ending `kind`, such as ".npy"."""
     if kind in NUMPY:
         return open_numpy(path)
     if kind == TDMS:
@@ -69,6 +70,6 @@ def _opened(path: Path, kind: str) -> Table:
 
 
 def damaged(path: Path, error: Exception) -> ResultError:
-    """The refusal of a file that cannot be read."""
+    """Return the error for a file that cannot be read."""
     reason = " ".join(str(error).split())
     return ResultError(f"{path}: not {_CALLED[path.suffix.lower()]} file, or damaged: {reason}")

@@ -109,4 +109,5 @@ def _longest(there: np.ndarray, leaps: Array) -> tuple[int, int]:
 
 
 def _rows(count: int) -> str:
+    """Return a number of rows in words, such as "3 rows"."""
     return f"{count:,} row{'s' if count > 1 else ''}"

@@ -1,4 +1,4 @@
-"""Datasets of HDF5 files: of users' programs, of MATLAB 7.3, NetCDF 4."""
+"""Tables from datasets of HDF5 files: of users' programs, MATLAB 7.3 and NetCDF 4."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _UNIT_ATTRIBUTES = ("units", "unit", "Unit", "Units")
 
 
 def open_hdf5(path: Path) -> Table:
-    """The datasets of an HDF5 file, by their paths."""
+    """Return the datasets of an HDF5 file as columns, by their paths."""
     columns: list[Column] = []
     places: list[tuple[str, int]] = []
     scalars: dict[str, float] = {}
@@ -46,6 +46,7 @@ def open_hdf5(path: Path) -> Table:
             places += [(name, number) for number in range(len(found))]
 
     def numbers(chosen: Sequence[int]) -> list[Array]:
+        """Return the numbers in the columns with these indices, from the file opened again."""
         with h5py.File(path) as file:
             return [_column(file[name], number) for name, number in (places[i] for i in chosen)]
 
@@ -53,10 +54,10 @@ def open_hdf5(path: Path) -> Table:
 
 
 def datasets(path: Path, file: h5py.File) -> Iterator[tuple[str, h5py.Dataset]]:
-    """The datasets of a file and of groups in it, by their paths; each group once.
+    """Yield the datasets of a file and of groups in it with their paths, each group once.
 
-    A dataset may name any file as the place of its data: raises `ResultError` for one with data in
-    other files. It may also claim any length without data (`refuse_too_long`).
+    Raises `ResultError` for a dataset whose data is in another file. A dataset may claim any length
+    without data; see `refuse_too_long`.
     """
     waiting: list[tuple[str, h5py.Group, int]] = [("", file, 0)]
     seen: set[int] = set()
@@ -74,11 +75,12 @@ def datasets(path: Path, file: h5py.File) -> Iterator[tuple[str, h5py.Dataset]]:
 
 
 def text_of(value: Any) -> str:
-    """An attribute as text."""
+    """Return an attribute as text."""
     return value.decode(errors="replace") if isinstance(value, bytes) else str(value)
 
 
 def _unit(dataset: h5py.Dataset) -> str | None:
+    """Return the unit in an attribute of a dataset, or None."""
     for name in _UNIT_ATTRIBUTES:
         if name in dataset.attrs and np.ndim(dataset.attrs[name]) == 0:
             return text_of(dataset.attrs[name]).strip() or None
@@ -86,7 +88,9 @@ def _unit(dataset: h5py.Dataset) -> str | None:
 
 
 def _column(dataset: h5py.Dataset, number: int) -> Array:
-    """Numbers of a column, decoded as NetCDF has them."""
+    """Return a column of a dataset, decoded by the attributes of NetCDF: fill value, factor and
+    offset.
+    """
     column = column_of(dataset[()], number)
     for name in ("_FillValue", "missing_value"):
         if name in dataset.attrs:

@@ -1,4 +1,4 @@
-"""Channels of HDF5 files of Lumicks's Bluelake."""
+"""Tables from channels of HDF5 files of Lumicks's Bluelake."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ _CALIBRATIONS = "Calibration"
 
 
 def is_lumicks(path: Path) -> bool:
-    """Whether an HDF5 file is one of Bluelake."""
+    """Return whether an HDF5 file is one of Bluelake."""
     with h5py.File(path) as file:
         return _VERSION in file.attrs
 
 
 def open_lumicks(path: Path) -> Table:
-    """The channels of a Bluelake file. Forces are put back into the volts of their detector."""
+    """Return the channels of a Bluelake file as columns; forces are converted back to volts."""
     try:
         from lumicks import pylake
     except ImportError:
@@ -58,6 +58,7 @@ def open_lumicks(path: Path) -> Table:
         channels.append((piece, response or 1.0))
 
     def numbers(chosen: Sequence[int]) -> list[Array]:
+        """Return the numbers in the columns with these indices; forces in volts."""
         return [
             np.asarray(piece.data, np.float64) / factor
             for piece, factor in (channels[i] for i in chosen)
@@ -67,6 +68,6 @@ def open_lumicks(path: Path) -> Table:
 
 
 def _response(piece: Any) -> float | None:
-    """pN/V by which a force was calibrated; None for one in volts."""
+    """Return the factor by which a force was calibrated, pN/V; None for a channel in volts."""
     found = [abs(item[_RESPONSE]) for item in piece.calibration if _RESPONSE in item]
     return float(found[0]) if found and found[0] else None

@@ -1,7 +1,7 @@
-"""Elements of MATLAB files of version 5 to 7, checked before SciPy reads them.
+"""Check of MATLAB files of version 5 to 7 before SciPy reads them.
 
-SciPy looks up the type of numbers by its code in the file without a check, so that a damaged code
-ends the process.
+SciPy looks up the type of numbers by a code in the file without a check, so that a damaged code
+crashes the process.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _DEPTH = 50
 def check_elements(path: Path, most_bytes: int) -> None:
     """Raise ValueError unless the elements of a file fit into it and have known codes.
 
-    most_bytes: of an element that is compressed.
+    most_bytes: largest size of a compressed element once it is unpacked.
     """
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
         order = {b"IM": "<", b"MI": ">"}.get(content[_ORDER])
@@ -40,7 +40,12 @@ def check_elements(path: Path, most_bytes: int) -> None:
 
 
 def _check(elements: memoryview, order: str, most_bytes: int, depth: int) -> None:
-    """Check elements that follow one another: of a file, or of an array in it."""
+    """Check a sequence of elements: those of a file, or those of an array in it.
+
+    order: "<" or ">", order of bytes. most_bytes: see `check_elements`. depth: levels of arrays
+    within arrays that are still allowed. An element has a tag with its code and length, and then
+    its content.
+    """
     if not depth:
         raise ValueError("has arrays within arrays, too many")
     within, numbers, at, count, fewest = depth < _DEPTH, False, 0, 0, 0

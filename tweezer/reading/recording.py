@@ -69,23 +69,24 @@ class Recording(Shown):
     axes: tuple[str, ...]
     """"x", "y" and "z", as many as there are"""
     name: str = field(default="recording", kw_only=True)
-    """the file, or the title of the run"""
+    """file, or title of the run"""
     scene: Scene | None = None
-    """scene of a run of tweezer"""
+    """scene, if it is a run of tweezer"""
     note: str = ""
-    """what was omitted"""
+    """what was omitted or filled in"""
     unit: str = "m"
     """of the positions: "m" or "V\""""
     drive: Array | None = None
-    """(n,) m: the motion of the stage, and with it of the fluid"""
+    """(n,) motion of the stage, which moves the fluid with it, m"""
     exposure: float | None = None
-    """s, over which each position is averaged; None if not known"""
+    """time over which each position is averaged, s; None if not known"""
     noise: tuple[float, ...] | None = None
     """standard deviation of the white noise along each axis, m or V; None if not known"""
     dated: bool = False
     """whether times or frames were read with the positions, so that their order is known"""
 
     def __post_init__(self) -> None:
+        """Convert the arrays, and raise `ResultError` for samples that are no recording."""
         _of_shapes(self, len(self.axes))
         if len(self.times) < LEAST_SAMPLES:
             why = f"; {self.note}" if self.note else ""
@@ -132,11 +133,12 @@ class Recording(Shown):
                 )
 
     def _refuse(self, why: str, sample: int | None = None) -> NoReturn:
+        """Raise `ResultError` for a reason, with the number of the sample (from 0), if any."""
         place = "" if sample is None else f"sample {sample + 1}: "
         raise ResultError(f"{self.name}: {place}{why}")
 
     def card(self) -> Card:
-        """Samples, spread along each axis, exposure, noise."""
+        """Return the card with samples, spread along each axis, exposure and noise."""
         unit = signal_unit(self.unit)
         spread = self.positions.std(axis=0)
         rate = 1 / self.step
@@ -162,7 +164,7 @@ class Recording(Shown):
         return float(self.times[-1] - self.times[0]) / (len(self.times) - 1)
 
     def since(self, time: QuantityLike) -> Recording:
-        """The recording from `time` (s) after the first sample on.
+        """Return the recording from `time` (s) after the first sample on.
 
         Raises `ResultError` if it has fewer than 100 samples.
         """
@@ -187,14 +189,15 @@ class Track(Shown):
     positions: Array
     """(n, 2) m, x and y from the axis of the light; NaN where a coordinate is missing"""
     name: str = field(default="track", kw_only=True)
-    """the file, or the title of the run"""
+    """file, or title of the run"""
     scene: Scene | None = None
-    """scene of a run of tweezer"""
+    """scene, if it is a run of tweezer"""
     exposure: float | None = None
-    """s, over which each frame averages; None if not known"""
+    """time over which each frame averages, s; None if not known"""
     unit: ClassVar[str] = "m"
 
     def __post_init__(self) -> None:
+        """Convert the arrays, and raise `ResultError` for frames that are no track."""
         _of_shapes(self, 2)
         steps = np.diff(self.times)
         for wrong, why, first in (
@@ -221,7 +224,7 @@ class Track(Shown):
             )
 
     def card(self) -> Card:
-        """Frames, and what is missing of them."""
+        """Return the card with the number of frames, complete ones among them, times and extent."""
         both = int(np.isfinite(self.positions).all(axis=1).sum())
         x, y = (printed(each, "um") for each in np.nanmax(np.abs(self.positions), axis=0))
         first, last = in_unit(self.times[0], "ms"), printed(self.times[-1], "ms")
@@ -235,6 +238,7 @@ class Track(Shown):
 
 
 def _known(exposure: float | None) -> str:
+    """Return an exposure, s, as text; "not known" for None."""
     return "not known" if exposure is None else printed(exposure, "ms")
 
 
@@ -341,6 +345,7 @@ def load_recording(
 
 
 def _is_still(positions: Array) -> bool:
+    """Return whether a coordinate is the same in all samples that have it."""
     seen = positions[np.isfinite(positions)]
     return len(seen) > 0 and np.ptp(seen) == 0
 
@@ -353,13 +358,13 @@ def load_track(
     scale: QuantityLike | None = None,
     bead: str | int | None = None,
 ) -> Track:
-    """A run of tweezer, or the table of a file as in `load_recording`: columns t, x and y.
+    """Return the track in a run of tweezer or in a table with columns t, x and y.
 
     An empty cell, or NaN, is a missing coordinate; frames without a time, and those before the
-    first with both coordinates, are omitted.
+    first with both coordinates, are omitted. Options are those of `load_recording`.
 
-    Raises `ResultError`, naming the file and the frame, as `load_recording`, and for what `Track`
-    refuses.
+    Raises `ResultError`, naming the file and the frame, as `load_recording` does, and for a track
+    that `Track` refuses.
     """
     read = read_source(source, Reading.of(columns, rate, scale, bead=bead), Wanted(("x", "y")))
     if isinstance(read, Run):
@@ -377,11 +382,13 @@ def load_track(
 
 
 class Run(NamedTuple):
-    """Arguments of a `Recording`."""
+    """Positions in a run of tweezer: the arguments of a `Recording`."""
 
     name: str
     times: Array
+    """(n,) s"""
     positions: Array
+    """(n, axes) m"""
     axes: tuple[str, ...]
     scene: Scene
     note: str
@@ -392,7 +399,7 @@ class Run(NamedTuple):
 def read_source(
     source: str | Path | xr.Dataset, reading: Reading, wanted: Wanted
 ) -> Run | dict[str, Columns]:
-    """Return a run of tweezer, or the columns of a table by the bead."""
+    """Return a run of tweezer, or the columns of a table by the label of the bead."""
     if not isinstance(source, str | os.PathLike):
         return _of_run(source, source.attrs.get("title", "run"), reading)
     path = Path(source)
@@ -418,7 +425,10 @@ def read_source(
 
 
 def _is_run(path: Path) -> bool:
-    """Whether an HDF5 file is of a run; it is refused if its data lie in other files."""
+    """Return whether an HDF5 file contains a run of tweezer.
+
+    Raises `ResultError` if its data is in other files, or is too long.
+    """
     import h5py
 
     with h5py.File(path) as file:
@@ -430,6 +440,10 @@ def _is_run(path: Path) -> bool:
 
 
 def _of_run(run: xr.Dataset, name: str, reading: Reading) -> Run:
+    """Return the positions in a run of tweezer, up to the loss of the bead; of a camera its frames.
+
+    name: for messages. reading: options, which a run does not take.
+    """
     if reading.given:
         raise ResultError(f"{name}: is a run of tweezer; --{reading.given[0]} is for other files")
     if "scene" not in run.attrs or "position" not in run:

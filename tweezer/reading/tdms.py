@@ -1,4 +1,4 @@
-"""Channels of TDMS files, which LabVIEW writes."""
+"""Tables from channels of TDMS files, which LabVIEW writes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 
 
 def open_tdms(path: Path) -> Table:
-    """The channels of a TDMS file, with the step of their waveforms if they have one."""
+    """Return the channels of a TDMS file as columns, with the sampling interval of waveforms."""
     try:
         from nptdms import TdmsFile
     except ImportError:
@@ -47,6 +47,7 @@ def open_tdms(path: Path) -> Table:
             places.append((group.name, channel.name))
 
     def numbers(chosen: Sequence[int]) -> list[Array]:
+        """Return the numbers in the columns with these indices, from the file opened again."""
         with _silent(), TdmsFile.open(path) as file:
             return [
                 np.asarray(file[group][channel][:], dtype=np.float64)
@@ -58,7 +59,7 @@ def open_tdms(path: Path) -> Table:
 
 @contextlib.contextmanager
 def _silent() -> Iterator[None]:
-    """A context in which npTDMS logs nothing: it warns of a file that is cut off."""
+    """Return a context in which npTDMS logs nothing, such as that a file is cut off."""
     from nptdms.log import log_manager
 
     before = log_manager.log_level

@@ -1,4 +1,4 @@
-"""Tables in text: CSV and what looks like it."""
+"""Tables in text files: CSV and similar formats."""
 
 from __future__ import annotations
 
@@ -43,25 +43,26 @@ _DELIMITERS = (";", "\t", ",", " ")
 
 
 class _Layout(NamedTuple):
-    """How a text is laid out."""
+    """Layout of a text with a table: headings, units, delimiter and first row of numbers."""
 
     headings: list[str]
-    """empty: without"""
+    """headings of the columns; empty without a line of headings"""
     units: list[str]
-    """of a line below the headings; empty: without"""
+    """cells of a line of units below the headings; empty without one"""
     delimiter: str
     first: int
     """number of the line with the first numbers, from 0"""
     columns: int
-    """their number"""
+    """number of columns"""
 
 
 class _Text(NamedTuple):
-    """A text with a table."""
+    """A text file with a table, before its numbers are read."""
 
     name: str
     """of the file"""
     content: bytes
+    """whole text in `encoding`, with newlines of one kind"""
     encoding: str
     head: list[str]
     """its first lines"""
@@ -69,10 +70,10 @@ class _Text(NamedTuple):
 
 
 def open_text(path: Path, names: Callable[[list[str]], bool]) -> Table:
-    """The table of a text. Lines before its headings are left out.
+    """Return the table in a text file, without the lines before its headings.
 
-    names: whether cells are the headings that are looked for. Without such a line, the headings are
-    the line above the first numbers.
+    names: function of the cells of a line that returns whether they are the headings that are
+    sought. Without such a line, the headings are in the line above the first numbers.
     """
     try:
         content = path.read_bytes()
@@ -103,6 +104,7 @@ def open_text(path: Path, names: Callable[[list[str]], bool]) -> Table:
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
+    """Return the cells of a line. Between spaces, a unit in brackets stays with its name."""
     line = line.rstrip("\r\n")
     if delimiter == " ":
         return re.split(r"\s+(?![\[(])", line.strip())
@@ -115,11 +117,15 @@ def _cells(line: str, delimiter: str) -> list[str]:
 
 
 def _bare(line: str) -> str:
-    """A line without the sign of a comment."""
+    """Return a line without a sign of a comment at its beginning."""
     return re.sub(r"^\s*(?:#+|%+|//)\s*", "", line)
 
 
 def _layout(head: list[str], names: Callable[[list[str]], bool]) -> _Layout:
+    """Return the layout of a text from its first lines, `head`.
+
+    names: whether cells are the headings that are sought; see `open_text`.
+    """
     for number, line in enumerate(head):
         delimiter = next((each for each in ";\t," if each in line), " ")
         cells = _cells(_bare(line), delimiter)
@@ -140,7 +146,11 @@ def _layout(head: list[str], names: Callable[[list[str]], bool]) -> _Layout:
 
 
 def _below(head: list[str], number: int, headings: list[str], delimiter: str) -> _Layout:
-    """The layout below the headings: perhaps a line of units, and others without any number."""
+    """Return the layout below a line of headings: perhaps a line of units, and others without
+    numbers.
+
+    head: first lines of the text. number: of the line of headings, from 0.
+    """
     units: list[str] = []
     first = number + 1
     for line in head[first : first + _BETWEEN]:
@@ -164,7 +174,7 @@ def _below(head: list[str], number: int, headings: list[str], delimiter: str) ->
 
 
 def _are_units(headings: list[str], cells: list[str]) -> bool:
-    """Whether each cell below a heading that names a quantity is a unit of it, or empty."""
+    """Return whether each cell below a heading that names a quantity is a unit of it, or empty."""
     told = False
     for heading, cell in zip(headings, cells, strict=True):
         quantity, unit = understood(heading).quantity, cell.strip(AROUND + "()[]")
@@ -177,11 +187,15 @@ def _are_units(headings: list[str], cells: list[str]) -> bool:
 
 
 def _is_number(cell: str) -> bool:
+    """Return whether a cell is a number, with a decimal point or comma."""
     return bool(_NUMBER.fullmatch(cell) or _WITH_COMMA.fullmatch(cell))
 
 
 def _of_numbers(line: str) -> tuple[str, int] | None:
-    """Delimiter and number of cells of a line that has nothing but numbers, or lacks them."""
+    """Return delimiter and number of cells of a line that has only numbers or missing ones.
+
+    Returns None for another line.
+    """
     if len(line) > 10_000:
         return None
     for delimiter in _DELIMITERS:
@@ -196,6 +210,11 @@ def _of_numbers(line: str) -> tuple[str, int] | None:
 
 
 def _numbers(text: _Text, places: Sequence[int]) -> list[Array]:
+    """Return the numbers in these columns, an array (n,) each.
+
+    Decimal commas are recognised from the first lines. Raises `ResultError` naming the first line
+    that cannot be read.
+    """
     content, layout = text.content, text.layout
     first = [_cells(line, layout.delimiter) for line in text.head[layout.first :]]
     commas = any(
@@ -226,13 +245,16 @@ def _numbers(text: _Text, places: Sequence[int]) -> list[Array]:
 
 
 def _labels(text: _Text, place: int) -> list[str]:
-    """Return the cells of a column as they are written; empty ones as nothing."""
+    """Return the cells of a column as text; "" for empty ones."""
     table = _columns(text, [place], dtype=str, na_values=_MISSING)
     return [label.strip() for label in table[place].fillna("")]
 
 
 def _columns(text: _Text, places: Sequence[int], **cells: Any) -> pd.DataFrame:
-    """Return columns of a text by their numbers. cells: how they are read."""
+    """Return columns of a text by their numbers, as a table of pandas.
+
+    cells: arguments of `read_csv` that say how cells are read.
+    """
     import pandas as pd
 
     return pd.read_csv(
@@ -251,7 +273,7 @@ def _columns(text: _Text, places: Sequence[int], **cells: Any) -> pd.DataFrame:
 
 
 def _start(content: bytes, line: int) -> int:
-    """Offset of a line."""
+    """Return the offset in bytes at which a line, counted from 0, begins."""
     at = 0
     for _ in range(line):
         at = content.index(b"\n", at) + 1
@@ -259,7 +281,7 @@ def _start(content: bytes, line: int) -> int:
 
 
 def _refuse_surplus(text: _Text) -> None:
-    """Refuse a row with more cells than headings, unless the rest is empty."""
+    """Raise `ResultError` for a row with more cells than columns, unless these are empty."""
     layout = text.layout
     if layout.delimiter == " " or b'"' in text.content:
         return
@@ -284,7 +306,10 @@ def _refuse_surplus(text: _Text) -> None:
 
 
 def _complaint(text: _Text, places: Sequence[int], *, commas: bool) -> str | None:
-    """Return the first line that cannot be read, and why."""
+    """Return the first line that cannot be read, with the reason; None if there is none.
+
+    commas: whether decimals have commas.
+    """
     first = text.layout.first
     for number, read in enumerate(islice(BytesIO(text.content), first, None), start=first + 1):
         line = read.decode(text.encoding, errors="replace")

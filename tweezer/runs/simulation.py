@@ -313,6 +313,7 @@ class _Followed:
     """positions in the frames of a camera, (frames, axes) m for each piece of the motion"""
 
     def __post_init__(self) -> None:
+        """Set the times of the samples, s, and the number of force calls for each sample."""
         self.times = self.bound.times[self.first :]
         self.end = self.state.copy()
         self.calls = self.bound.per_sample * self.bound.scheme.force_calls

@@ -66,7 +66,7 @@ class Tuning(Shown):
     """the unscaled equations by the exponential method"""
 
     def card(self) -> Card:
-        """The first guess, the range of the factors, and a table of all."""
+        """Return the card with the first guess epsilon, the range of the factors, and the table."""
         last, *_, first = sorted(self.entries, key=lambda each: each.scaling_factor)
         failed = sum(each.deviation is None for each in self.entries)
         return Card(
@@ -88,7 +88,7 @@ class Tuning(Shown):
         )  # fmt: skip
 
     def table(self) -> Table:
-        """A row for each scaling factor, and one of the unscaled equations."""
+        """Return a table with a row for each scaling factor, and one for the unscaled equations."""
         headings = ("a2", "off the unscaled bead", "steps", "force calls", "time")
         rows = tuple(
             (
@@ -148,9 +148,9 @@ def tune(
 
 
 def scaled_scenes(scene: Scene, factors: Sequence[float] | None, method: str) -> list[Scene]:
-    """The scenes that `tune` compares with the unscaled one, by descending factor.
+    """Return the scenes that `tune` compares with the unscaled one, by descending factor a2.
 
-    Raises `SceneError` if one of them is not valid.
+    Raises `SceneError` if one of them is not valid. method: of integration.
     """
     if factors is None:
         first = min(max(_epsilon(scene), 1e-12), 0.1)
@@ -181,7 +181,7 @@ class _Response:
 
 
 def _response(scene: Scene) -> _Response:
-    """Integrate a scene, time it, and estimate its error by a second run to tighter tolerances."""
+    """Integrate a scene with the clock running, and again to tighter tolerances for its error."""
     equations = bind(scene)
     times = np.array([0.0, scene.simulation.duration])
     _uninterrupted(integrate(equations, times * 1e-3))  # compiles, untimed

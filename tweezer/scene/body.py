@@ -7,14 +7,14 @@ from typing import Any
 
 
 class Body(ABC):
-    """A rigid body, as mechanics needs it. `Sphere` is one; `Bead.body` makes that of a scene."""
+    """A rigid body: size, mass, inertia and gap to a plane; `Bead.body` returns that of a scene."""
 
     size: float
     """length scale, m: the radius of a sphere"""
     volume: float
-    """m^3"""
+    """volume, m^3"""
     mass: float
-    """m, kg"""
+    """mass m, kg"""
     moments_of_inertia: tuple[float, float, float]
     """principal moments I11, I22, I33 about the centre of mass (A.13), kg m^2"""
 

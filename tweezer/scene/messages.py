@@ -170,6 +170,7 @@ def in_short(value: Any) -> str:
 
 
 def _clipped(text: str) -> str:
+    """Return a text, cut at 60 characters."""
     return text if len(text) <= 60 else text[:57] + "..."
 
 

@@ -95,13 +95,13 @@ class Scene(Description):
         return "; ".join([*told, *(f"{key} = {in_short(here.get(key))}" for key in changed)])
 
     def __repr__(self) -> str:
-        """A few lines."""
+        """Return the card as a few lines of text."""
         return as_text(self.card())
 
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        """A table, for Jupyter."""
+        """Return the card as HTML, for Jupyter."""
         return as_html(self.card())
 
     def with_one_beam(self, beam: Beam, offset: float = 0.0) -> Scene:
@@ -166,12 +166,12 @@ class Scene(Description):
         return f"{', '.join(most)} and {last}" if most else last
 
     def replace(self, **sections: Any) -> Scene:
-        """A changed copy, validated again.
+        """Return a changed copy, which is validated again.
 
-        `scene.replace(beam={"power": "80 mW"})` changes the named keys of a section and keeps
-        the others; a key displaces the one that says the same in another way (diameter, radius),
-        and a choice the keys that do not go with it (profile = uniform displaces sigma).
-        Of several beams, `beam=[...]` replaces all, and `**{"beam[2]": {...}}` changes the second.
+        `scene.replace(beam={"power": "80 mW"})` changes the named keys of a section and keeps the
+        others. A key displaces its alternative (the diameter a radius), and a choice displaces the
+        keys that do not belong to it (profile = uniform displaces sigma). With several beams,
+        `beam=[...]` replaces all, and `**{"beam[2]": {...}}` changes the second.
         The title of the copy names what was changed, unless a new description is among it.
 
         Raises `SceneError`. Warns (`PhysicsWarning`) of a temperature changed without the
@@ -191,10 +191,17 @@ class Scene(Description):
         return copy.model_copy(update={"changed": {}}) if "description" in sections else copy
 
     def _changes(self, replaced: Scene, sections: Mapping[str, Any]) -> dict[str, str]:
-        """What `changed` becomes with `sections`: earlier changes that still hold, and new ones."""
+        """Return the changes of a scene replaced with `sections`: earlier ones that still hold, and
+        new ones.
+
+        They are texts of values by dotted key.
+        """
         before, after = by_key(self.model_dump()), by_key(replaced.model_dump())
 
         def differs(key: str) -> bool:
+            """Return whether a key, or the one that stands for its alternative, has another value
+            than before.
+            """
             section, _, name = key.partition(".")
             other = HALVES.get((kind_of(section), name), name)
             field = key if key in after else f"{section}.{other}"
@@ -213,11 +220,15 @@ class Scene(Description):
         return dict(sorted(changed.items()))
 
     def decided(self, **sections: Mapping[str, Any]) -> Scene:
-        """A copy with what was left open, such as the model: no change of what is described."""
+        """Return a copy in which open choices, such as the model, are made.
+
+        It counts as the same scene: the list of changes stays as it is.
+        """
         copy = self._replaced(sections)
         return copy.model_copy(update={"changed": self.changed})
 
     def _replaced(self, sections: Mapping[str, Any]) -> Scene:
+        """Return a validated copy with changed sections and the old list of changes."""
         if "more_beams" in sections:
             raise SceneError(
                 "more_beams: beam = [...] replaces all beams, and beam[2] changes the second"

@@ -39,10 +39,16 @@ class Sphere(Body):
 
 
 def drag_of_translation(viscosity: float, radius: float) -> float:
-    """Return beta_v = 6 pi mu r, kg/s (2.15), of the viscosity, Pa s, and the radius, m."""
+    """Return Stokes's drag coefficient beta_v = 6 pi mu r (2.15), kg/s.
+
+    viscosity: mu, Pa s. radius: r, m.
+    """
     return 6 * math.pi * viscosity * radius
 
 
 def drag_of_rotation(viscosity: float, radius: float) -> float:
-    """Return beta_w = 8 pi mu r^3, N m s, of the viscosity, Pa s, and the radius, m."""
+    """Return Stokes's rotational drag coefficient beta_w = 8 pi mu r^3 (2.15), N m s.
+
+    viscosity: mu, Pa s. radius: r, m.
+    """
     return 8 * math.pi * viscosity * radius**3

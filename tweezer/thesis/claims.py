@@ -74,6 +74,7 @@ class Evidence:
     """
 
     def __init__(self, by_bead: Mapping[str, Motions]) -> None:
+        """Take the motions by bead (`BEADS`), all in the light of one theory."""
         self.motions = by_bead
         (self.theory,) = {motions.theory for motions in by_bead.values()}
         self._equilibria: dict[str, Equilibrium] = {}

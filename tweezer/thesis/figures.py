@@ -97,6 +97,7 @@ def _coordinate(axis: str, name: str) -> Draw:
     """
 
     def draw(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
+        """Draw the coordinate over time, without noise (dark) and with it (pale)."""
         noisy = thermal["position"].sel(axis=axis).values * per("um")
         path = run["position"].sel(axis=axis).values * per("um")
         axes.plot(_time(thermal), noisy, color=_PALE[side], lw=0.8)

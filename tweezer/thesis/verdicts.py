@@ -186,8 +186,9 @@ def _smaller_rings_more(evidence: Evidence) -> Judgement:
 
 @_judge
 def _size_decides(evidence: Evidence) -> Judgement:
-    """Judge whether overshoots fall with size if all beads have one a2, that printed for the middle
-    one.
+    """Judge whether the overshoot falls with size even if all beads have the same a2.
+
+    It is the a2 that is printed for the middle bead.
     """
     one_a2 = {"scaling_factor": load_scene("thesis-990nm").simulation.scaling_factor}
     runs = {bead: simulate(evidence.scene(bead).replace(simulation=one_a2)) for bead in BEADS}

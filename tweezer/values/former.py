@@ -41,9 +41,7 @@ class _Former(MetaPathFinder, Loader):
     """Import finder and loader for the module paths of earlier releases."""
 
     def find_spec(self, fullname: str, *_: Any) -> ModuleSpec | None:
-        """Return the specification of a module with an old path, with a warning; None for other
-        modules.
-        """
+        """Return the specification of a module with an old path, and warn; None for others."""
         if fullname == _ANALYSIS:
             return ModuleSpec(fullname, self, is_package=True)
         if fullname not in _NEW:

@@ -328,7 +328,11 @@ def _files(path: Path) -> set[str]:
 
 
 def _check_whole(path: Path, found: _Described) -> None:
-    """Raise `ResultError` unless all chunks are there, and unpack to the sizes declared."""
+    """Raise `ResultError` unless all chunks of a store exist and unpack to the sizes declared.
+
+    An ensemble may lack blocks of trajectories that were not computed; its chunks of `lost_time`
+    show which were. found: description of the store.
+    """
     total = sum(each.size for each in found.arrays.values() if each.compressed)
     if total > _MOST:
         raise ResultError(f"{path}: declares {total:,} bytes; must be at most {_MOST:,}")
@@ -415,6 +419,7 @@ class _Guarded(xr.backends.BackendArray):
         self.shape, self.dtype = variable.shape, variable.dtype
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
+        """Return the numbers at an index, as xarray asks for them."""
         return indexing.explicit_indexing_adapter(
             key, self.shape, indexing.IndexingSupport.OUTER, self._read
         )

@@ -348,12 +348,14 @@ class Quantity:
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
     ) -> core_schema.CoreSchema:
+        """Return the schema with which Pydantic converts a value to SI and checks its range."""
         within = functools.partial(to_si, unit=self.unit, low=self.low, high=self.high)
         return _reading(within).__get_pydantic_core_schema__(source, handler)
 
     def __get_pydantic_json_schema__(
         self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
+        """Return the JSON schema with range and unit."""
         return {**handler(schema), "minimum": self.low, "maximum": self.high, "unit": self.unit}
 
 
@@ -373,6 +375,7 @@ def entries(least: int, most: int | None = None) -> BeforeValidator:
     count = f"{least}" if most is None else f"{least} to {most}"
 
     def check(value: Any) -> Any:
+        """Return the value, an array as a list, or raise an error for another number of entries."""
         value = listed(value)
         if isinstance(value, list | tuple) and not least <= len(value) <= (most or least):
             raise PydanticCustomError("entries", "must have {count} entries", {"count": count})
@@ -389,6 +392,7 @@ def complex_number(largest: float) -> BeforeValidator:
     """
 
     def parse(value: Any) -> tuple[float, float]:
+        """Return the real and imaginary part of a value."""
         real, imaginary = (to_si(part, "", -largest, largest) for part in _parts(value))
         return real, imaginary
 
@@ -399,6 +403,7 @@ def _reading(read: Callable[[Any], Any]) -> BeforeValidator:
     """Return a Pydantic validator from a function that raises `ValueError` with what is allowed."""
 
     def checked(value: Any) -> Any:
+        """Return what `read` makes of a value; its `ValueError` becomes an error of Pydantic."""
         try:
             return read(value)
         except ValueError as error:

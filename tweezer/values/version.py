@@ -9,7 +9,7 @@ __version__ = importlib.metadata.version("tweezer")
 
 @functools.cache
 def versions() -> dict[str, str]:
-    """The versions in use, as attributes of a result."""
+    """Return the versions of tweezer and of the libraries in use, as attributes of a result."""
     import numba
     import numpy as np
     import scipy

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
-    """A page to look at: one file of HTML that needs no server and no network.
+    """Return an interactive page of a result: one HTML file that needs no server and no network.
 
     of: a run, an ensemble or a sweep as a dataset, or the file of one (.nc, .zarr); a `Trap`, or
     the file of one (.json of `tweezer trap --out`); or a scene, or the name or file of one, which

@@ -325,4 +325,5 @@ def _up_to(name: str, error: float, unit: str, more: str = "") -> Row:
 
 
 def _row(name: str, value: str, *, trusted: bool = True) -> Row:
+    """Return a line of the summary without an error."""
     return Row(name, value, "", trusted)

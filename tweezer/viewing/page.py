@@ -131,4 +131,5 @@ def _address(path: Path) -> str:
 
 
 def _text(path: Path) -> str:
+    """Return the text of a file in UTF-8."""
     return path.read_text(encoding="utf-8")
