@@ -1,4 +1,4 @@
-"""Events: what is looked for on the dense output of a run, and located there."""
+"""Events: sign changes of functions of the motion, located on the dense output of a run."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ _SHALLOW = 1e-3
 
 
 class Piece(Protocol):
-    """Part of a motion: some steps of a solver."""
+    """Part of a motion that consists of some steps of a solver."""
 
     @property
     def begin(self) -> float:
-        """s"""
+        """Time at its beginning, s."""
 
     @property
     def end(self) -> float:
-        """s"""
+        """Time at its end, s."""
 
     def checkpoints(self) -> Array:
-        """Ascending times from begin to end, several to a step."""
+        """Return ascending times from the beginning to the end, several in each step, s."""
 
     def states(self, times: Array) -> Array:
-        """States at ascending times, (n, state); the position comes first."""
+        """Return the states at ascending times, (n, state); the position comes first."""
 
 
 @dataclass(frozen=True)
@@ -47,10 +47,11 @@ class Occurrence:
 
     name: str
     time: float
-    """s"""
+    """time of the event, s"""
     state: Array
+    """(state,) state at this time"""
     certain: float
-    """s, when it was certain: later than `time` for one that had to last"""
+    """time at which the event was certain, s: later than `time` if its condition had to last"""
 
 
 @dataclass
@@ -72,9 +73,11 @@ class Event:
     ends_as: str = "ended"
     """status of a run that it ends"""
     _sign: float = field(default=0.0, init=False, repr=False)
-    """of the last value, from piece to piece"""
+    """sign of the value at the end of the last piece; 0 before the first one"""
     _since: Occurrence | None = field(default=None, init=False, repr=False)
+    """occurrence whose sign has not lasted for `hold` yet"""
     _done: bool = field(default=False, init=False, repr=False)
+    """whether no further occurrence counts"""
     _close: Array = field(default_factory=lambda: np.zeros(1), init=False, repr=False)
     """(state,) or (1,), changes of the states that do not count"""
 
@@ -102,7 +105,7 @@ class Event:
         return again
 
     def occurrences(self, piece: Piece) -> Iterator[Occurrence]:
-        """What happens in a piece; pieces come in the order of time."""
+        """Yield the occurrences in a piece; pieces must be passed in the order of time."""
         if self._done:
             return
         times = piece.checkpoints()
@@ -123,7 +126,9 @@ class Event:
         yield from self._held(piece.end)
 
     def _signs(self, piece: Piece, times: Array) -> Array:
-        """Signs of the value at some times, (n,): 0 where changes that do not count may make it."""
+        """Return the signs of the value at times (n,), s; 0 where the change by `_close` may change
+        the sign.
+        """
         values = self._values(piece, times)
         signs: Array = np.sign(values)
         if (signs == self._sign).all():
@@ -137,7 +142,11 @@ class Event:
         return np.where(np.abs(values) > doubt, signs, 0.0)
 
     def _changed(self, piece: Piece, time: float) -> Iterator[Occurrence]:
-        """What a change of sign means."""
+        """Yield the occurrences that follow from a change of sign at a time, s.
+
+        Without `hold` the change is the event; with it, an earlier one may be complete, and a new
+        one begins.
+        """
         begins = self.direction in (0.0, self._sign)
         if not self.hold:
             if begins:
@@ -148,23 +157,29 @@ class Event:
         self._since = self._at(piece, time, time + self.hold) if begins else None
 
     def _held(self, now: float) -> Iterator[Occurrence]:
-        """The event, if the sign has lasted up to `now` for long enough."""
+        """Yield the pending occurrence if its sign has lasted for `hold` at the time `now`, s."""
         if self._since is not None and now >= self._since.certain:
             self._done = self.once
             yield self._since
             self._since = None
 
     def _at(self, piece: Piece, time: float, certain: float) -> Occurrence:
+        """Return the occurrence at a time, s, that is certain at the time `certain`, s."""
         return Occurrence(self.name, time, piece.states(np.array([time]))[0], certain)
 
     def _values(self, piece: Piece, times: Array) -> Array:
+        """Return the values of the function at ascending times, (n,); raise `IntegrationError` if
+        not finite.
+        """
         values = np.asarray(self.value(times, piece.states(times)), dtype=np.float64)
         if not np.isfinite(values).all():
             raise IntegrationError(f"the value of the event {self.name!r} is not finite")
         return values
 
     def _root(self, piece: Piece, begin: float, end: float) -> float:
-        """Where the value is 0 between two times at which its signs differ."""
+        """Return the time between `begin` and `end`, s, at which the value is 0; its signs there
+        differ.
+        """
         first, last = self._values(piece, np.array([begin, end]))
         if first * last >= 0:  # a value of rounding alone need not have its sign a second time
             return begin if abs(first) < abs(last) else end
@@ -172,7 +187,7 @@ class Event:
 
 
 def ending(event: Event, time: float) -> str:
-    """Return the message of a run that an event ended."""
+    """Return the message of a run that an event ended at a time, s."""
     match event.ends_as:
         case "lost":
             return f"the bead left the trap at {time:.6g} s"
@@ -182,9 +197,10 @@ def ending(event: Event, time: float) -> str:
 
 
 def crossing(value: Callable[[Array], Array], begin: float, end: float, tolerance: float) -> float:
-    """Where a function of time that differs in sign at two times is 0, to `tolerance`, s.
+    """Return the time at which a function is 0, between two times at which its signs differ, s.
 
-    By division into equal parts, because a function costs as much at all their ends as at one.
+    tolerance: of the result, s. The interval is divided into equal parts again and again, rather
+    than halved, because evaluating at many times costs as much as at one.
     """
     while end - begin > tolerance:
         times = np.linspace(begin, end, _PARTS + 1)
@@ -196,15 +212,16 @@ def crossing(value: Callable[[Array], Array], begin: float, end: float, toleranc
 
 @dataclass(frozen=True)
 class _Low:
-    """A local minimum of the distance to the focus."""
+    """Local minimum of the distance to the focus."""
 
     piece: Piece
+    """part of the motion that contains it"""
     begin: float
-    """s, a time before it; that of the minimum once it is located"""
+    """time before the minimum, s; its own time once it is located"""
     end: float
-    """s, a time after it, or the same"""
+    """time after the minimum, s; its own time once it is located"""
     distance: float
-    """m, the least that is known"""
+    """smallest known distance, m"""
 
 
 @dataclass
@@ -223,9 +240,10 @@ class ClosestApproach(Event):
         return closest_approach(self.rise)
 
     def occurrences(self, piece: Piece) -> Iterator[Occurrence]:
-        """The minimum, when it counts.
+        """Yield the minimum in the piece in which it counts.
 
-        A minimum no deeper than a part of `rise` is located only if it is the one that counts.
+        A minimum that is shallower than a fraction of `rise` is located only if it is the one that
+        counts.
         """
         if self._done:
             return
@@ -253,12 +271,12 @@ class ClosestApproach(Event):
             yield self._at(low.piece, low.begin, low.begin)
 
     def _has_risen(self, far: Array) -> bool:
-        """Return whether distances since the lowest one are larger by enough."""
+        """Return whether any of the distances exceeds the lowest one so far by more than `rise`."""
         lowest = self._lowest
         return lowest is not None and far.max(initial=0.0) > lowest.distance + self.rise
 
     def _located(self, low: _Low) -> _Low:
-        """Return the minimum at its time."""
+        """Return a minimum with its time and distance determined."""
         if low.begin == low.end:
             return low
         time = self._root(low.piece, low.begin, low.end)
@@ -266,7 +284,7 @@ class ClosestApproach(Event):
         return _Low(low.piece, time, time, float(np.linalg.norm(state[POSITION])))
 
     def _values(self, piece: Piece, times: Array) -> Array:
-        """Change of the distance squared, over a short time about each time."""
+        """Return the change of the squared distance over a short interval about each time, m^2."""
         apart = 1e-3 * np.diff(piece.checkpoints()).min()
         before = np.maximum(times - apart, piece.begin)
         after = np.minimum(times + apart, piece.end)
@@ -278,12 +296,15 @@ class ClosestApproach(Event):
 
 
 def closest_approach(rise: float = 0.0) -> Event:
-    """The first closest approach to the focus (FCA); rise: m, see `ClosestApproach`."""
+    """Return the event of the first closest approach to the focus (FCA).
+
+    rise: distance, m, by which the bead must move away again, see `ClosestApproach`.
+    """
     return ClosestApproach("closest approach", lambda times, _: times, direction=1, rise=rise)
 
 
 def loss(distance: float) -> Event:
-    """The bead is as far as `distance`, m, from the focus: the end of a run."""
+    """Return the event that the bead reaches a `distance`, m, from the focus, which ends a run."""
     return Event(
         "loss", lambda _, y: np.linalg.norm(y[:, POSITION], axis=1) - distance, direction=1,
         terminal=True, ends_as="lost",
@@ -311,7 +332,10 @@ def capture(
 
 
 def lens_touched(scene: Scene) -> Event | None:
-    """The bead reaches the lens, a focal length before the focus; None if that is not known."""
+    """Return the event that the bead reaches the lens, one focal length before the focus.
+
+    None if the focal length is unknown.
+    """
     if scene.lens.focal_length is None:
         return None
     nearest = scene.body.support() - scene.lens.focal_length

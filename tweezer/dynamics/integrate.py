@@ -1,7 +1,7 @@
-"""Integration in time: a solver, compiled or SciPy's, followed from piece to piece.
+"""Integration in time with a compiled method or a solver of SciPy, piece by piece.
 
-Following by hand, rather than through one call, lets a run report progress, look for events, stop
-when the bead is lost, and keep what it has when it is interrupted or fails.
+Advancing piece by piece, rather than in one call, lets a run report progress, look for events, stop
+when the bead is lost, and keep the computed motion if it is interrupted or fails.
 """
 
 from __future__ import annotations
@@ -48,36 +48,45 @@ SOFT, SOFT_IN_TOLERANCES = 1e-9, 3.0
 
 @dataclass(frozen=True)
 class Integration:
-    """States at those of the times asked for that were reached."""
+    """States at the output times that a run reached, and how it ended."""
 
     method: str
     times: Array
-    """(n,) s"""
+    """(n,) output times, s"""
     states: Array
-    """(n, state)"""
+    """(n, state) states at these times, as the emitted equations have them"""
     steps: int
-    """up to the end of the run"""
+    """number of steps up to the end of the run"""
     rejected: int
+    """number of steps that were repeated because their error was too large"""
     force_calls: int
-    """all, with those of steps that a compiled method took past an event that ended the run"""
+    """number of force evaluations, including steps that a compiled method took past the end of the
+    run
+    """
     status: str
     """"complete", "lost", "ended" by another event, "interrupted" or "failed" """
     message: str
-    """what ended the run, if it did not reach the last time"""
+    """reason for the end of the run; empty if it reached the last time"""
     events: list[Occurrence]
     """in the order of their times"""
     step_time: float
-    """s, that stepping took: without binding, compiling, events and output"""
+    """time spent on steps, s, without binding, compiling, events and output"""
     step_lengths: Array
-    """s, of a compiled method, up to the end of the run; (0,) of a solver of SciPy's"""
+    """lengths of the steps of a compiled method up to the end of the run, s; (0,) for a solver of
+    SciPy
+    """
     path: Path | None
-    """what was between `times`; None of a run that failed, or of more steps than are held"""
+    """the motion between `times`; None for a run that failed, or with more steps than are kept in
+    memory
+    """
     inner: Array | None = None
-    """the last state as the loop of the method has it, (inner,); None of a run that failed"""
+    """last state in the form that the method's loop uses, (inner,); None for a run that failed"""
 
     @property
     def end(self) -> tuple[Array, Array] | None:
-        """The last state as the emitted module has it, and as the loop of the method has it."""
+        """Last state in the form of the emitted equations and in that of the loop; None for a
+        failed run.
+        """
         return None if self.inner is None else (self.states[-1], self.inner)
 
 
@@ -156,12 +165,13 @@ def integrate(
 
 @dataclass
 class _SoFar:
-    """The part of a run that was integrated so far."""
+    """Part of a run that has been integrated so far."""
 
     equations: EquationsOfMotion
     times: Array
     """(n,) s, output times; an event that ends the run replaces the last one"""
     sampled: list[Array]
+    """states at the output times that were reached, in blocks (n, state)"""
     most_held: int
     reached: int = 1
     """number of output times with states"""
@@ -169,8 +179,11 @@ class _SoFar:
     message: str = ""
     step_time: float = 0.0
     happened: list[Occurrence] = dataclasses.field(default_factory=list)
+    """events that occurred"""
     lengths: list[Array] = dataclasses.field(default_factory=lambda: [np.zeros(0)])
+    """lengths of the steps in each piece, s"""
     pieces: list[Piece] = dataclasses.field(default_factory=list)
+    """pieces of the motion that are kept for the path"""
     latest: Steps | _Step | None = None
     """steps that contain the last output time"""
 
@@ -180,9 +193,10 @@ class _SoFar:
         return float(self.times[self.reached - 1])
 
     def take(self, piece: Steps | _Step, events: Sequence[Event], steps: int) -> float:
-        """Take some steps, of `steps` in all, up to an event that ends the run; return the end, s.
+        """Add a piece of the motion, up to an event that ends the run; return the time reached, s.
 
-        Raises `IntegrationError` for states that are not finite or in a wall.
+        steps: number of steps of the run so far. Raises `IntegrationError` for states that are not
+        finite or in a wall.
         """
         end = self._events(piece, events)
         self.lengths.append(piece.step_lengths(end))
@@ -199,7 +213,9 @@ class _SoFar:
         return end
 
     def _events(self, piece: Steps | _Step, events: Sequence[Event]) -> float:
-        """Take the events within some steps; return the end of the steps, or of the run, s."""
+        """Record the events within a piece; return the time at which the piece, or the run, ends,
+        s.
+        """
         end, seen = piece.end, self.equations.released(piece)
         found = [(event, each) for event in events for each in event.occurrences(seen)]
         for event, each in sorted(found, key=lambda pair: pair[1].certain):
@@ -212,7 +228,7 @@ class _SoFar:
         return end
 
     def _sample(self, piece: Steps | _Step, wanted: Array) -> None:
-        """Take the states at some output times."""
+        """Append the states at output times `wanted`, s, within a piece."""
         states = piece.states(wanted)
         # a step may end at numbers so large that those within it overflow
         sound = np.asarray(np.isfinite(states).all(axis=1))
@@ -250,7 +266,10 @@ class _SoFar:
 
 
 def _in_a_wall(equations: EquationsOfMotion, states: Array) -> NDArray[np.bool_]:
-    """Whether the bead is in a wall in states (n, state), (n,)."""
+    """Return for states (n, state) whether the bead is in a wall, (n,).
+
+    Contact is soft, so a depth up to `SOFT` or some tolerances of the position is allowed.
+    """
     scene = equations.scene
     if scene.wall is None:
         return np.full(len(states), False)
@@ -261,11 +280,14 @@ def _in_a_wall(equations: EquationsOfMotion, states: Array) -> NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class _Step:
-    """One step of a solver of SciPy's."""
+    """One step of a solver of SciPy; implements `Piece`."""
 
     dense: Callable[[Array], Array]
+    """dense output of the step: states (state, n) at times (n,), s"""
     begin: float
+    """time at the beginning of the step, s"""
     end: float
+    """time at the end of the step, s"""
 
     def checkpoints(self) -> Array:
         return np.linspace(self.begin, self.end, 5)
@@ -274,14 +296,16 @@ class _Step:
         return np.asarray(self.dense(times)).T
 
     def step_lengths(self, end: float) -> Array:  # noqa: ARG002
+        """Return an empty array: step lengths are known for compiled methods only."""
         return np.zeros(0)
 
     def inner(self, time: float) -> Array:
+        """Return the state at a time, s; solvers of SciPy use the form of the emitted equations."""
         return self.states(np.array([time]))[0]
 
 
 class SciPySolver:
-    """A solver of SciPy's bound to equations of motion."""
+    """Solver of SciPy bound to equations of motion; `advance` takes one step."""
 
     rejected = 0
 
@@ -305,7 +329,9 @@ class SciPySolver:
         self.steps = 0
 
     def _begin(self, time: float, state: Array) -> None:
-        """Go on from a time to the next kink of the force, or the end."""
+        """Start the solver at a time, s, and a state, up to the next kink of the force
+        or the end.
+        """
         self._end = self._ends.pop(0)
         last = self._end * BEFORE if self._ends else self._end
         self._solver = METHODS[self._method].load()(
@@ -314,11 +340,11 @@ class SciPySolver:
 
     @property
     def force_calls(self) -> int:
-        """Places at which the force was evaluated."""
+        """Number of positions at which the force was evaluated."""
         return self._equations.force_calls - self._calls_before
 
     def advance(self) -> tuple[_Step | None, int]:
-        """One step, and whether there are more to come, as `Solver.advance`."""
+        """Take one step; return it and why stepping paused, as `Solver.advance` does."""
         solver = self._solver
         if self.force_calls > self._most_calls:
             return None, integrators.EXHAUSTED

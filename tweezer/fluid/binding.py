@@ -13,9 +13,9 @@ Array = NDArray[np.float64]
 
 
 def drag(scene: Scene) -> Drag:
-    """Drag of the bead of `scene`.
+    """Return the drag of the bead of `scene`.
 
-    In a fluid with memory a wall is so far away (`tweezer.scene.FREE`) that it is left out.
+    In a fluid with memory walls are so far away (`tweezer.scene.FREE`) that they are ignored.
     """
     free = stokes(scene.medium.viscosity, scene.bead.radius)
     if scene.wall is None or scene.medium.inertia == "memory":
@@ -24,9 +24,9 @@ def drag(scene: Scene) -> Drag:
 
 
 def left_out_of_walls(scene: Scene, positions: Array) -> Array:
-    """By how much of its speed a wall slows a bead along it and across it, (n, 2).
+    """Return the fractions by which a wall slows a bead along and across it, (n, 2).
 
-    A fluid with memory leaves that out. positions: (n, 3) m.
+    They are the error of a fluid with memory, which ignores walls. positions: (n, 3) m.
     """
     beside = drag(scene.decided(medium={"inertia": "none", "poles": None}))
     free = stokes(scene.medium.viscosity, scene.bead.radius).translation

@@ -1,4 +1,4 @@
-"""Drag: a compiled kernel and its data, which say how mobile a bead is at a place.
+"""Drag: a compiled kernel and its data, which give the mobility of a bead at a position.
 
 A bead in a fluid that is the same all around N3, as beside a wall across it, has five mobilities
 (`derivation.drag`): those of translation across and along N3, those of rotation across and about
@@ -32,7 +32,7 @@ Kernel = Callable[[Any, Data, Any], None]
 
 
 class Mobility(NamedTuple):
-    """How mobile n beads are. A kernel fills it."""
+    """Mobilities of n beads, velocity per force; a drag's kernel fills the arrays."""
 
     value: Array
     """(n, 5): parallel and perpendicular to a wall across N3, s/kg; turn, across N3, and spin,
@@ -58,11 +58,13 @@ class Walls(Protocol):
 
 
 class Drag(ABC):
-    """Something that resists the motion of a bead."""
+    """Drag of a bead, as a compiled kernel with data."""
 
     @property
     def uniform(self) -> bool:
-        """Whether it is the same at every place and time and in every direction: nothing rolls."""
+        """Whether the drag is the same at every position and time and in every direction, without
+        rolling.
+        """
         return False
 
     @property
@@ -77,11 +79,11 @@ class Drag(ABC):
 
     @abstractmethod
     def compiled(self) -> tuple[Kernel, Data]:
-        """Its kernel `kernel(pose, data, mobility)`, and its data."""
+        """Return the compiled kernel `kernel(pose, data, mobility)` and its data."""
 
     @property
     def part(self) -> Part:
-        """Address of its kernel, and its data, for compiled loops."""
+        """Address of the compiled kernel with its data, for compiled loops."""
         kernel, data = self.compiled()
         return Part(address(kernel, DRAG_KERNEL), data)
 
@@ -93,10 +95,12 @@ class Drag(ABC):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Mobility:
-        """Mobilities at `positions` (n, 3) m from the focus, and their gradients if asked.
+        """Return the five mobilities at `positions` (n, 3), m from the focus, and their gradients
+        if asked.
 
-        time: s, or (n,). orientations: (n, 4) Euler parameters of length 1, for a drag that depends
-        on them; (1, 0, 0, 0) if not given. Raises `SceneError` for positions of another shape.
+        time: s, one or (n,). orientations: (n, 4) Euler parameters of length 1, for a drag that
+        depends on them; (1, 0, 0, 0) if not given. Raises `SceneError` for positions of another
+        shape.
         """
         places = np.require(positions, np.float64, ["C", "W"])
         n = len(places)
@@ -155,7 +159,9 @@ class Drag(ABC):
 
 @cached_njit()
 def _uniform(pose, data, mobility):  # type: ignore[no-untyped-def]
-    """Entries of the data: beta_v and beta_w."""
+    """Kernel of a drag that is the same everywhere; its data are beta_v, kg/s, and
+    beta_w, N m s.
+    """
     for at in range(len(pose.position)):
         mobility.value[at, :2] = 1.0 / number(data, 0)
         mobility.value[at, 2:4] = 1.0 / number(data, 1)
@@ -183,14 +189,15 @@ class Stokes(Drag):
 
 
 def stokes(viscosity: float, radius: float) -> Stokes:
-    """Drag of a sphere of that radius, m, in a fluid of that viscosity, Pa s (2.15)."""
+    """Return the drag of a sphere, from the viscosity, Pa s, and the radius, m (2.15)."""
     return Stokes(drag_of_translation(viscosity, radius), drag_of_rotation(viscosity, radius))
 
 
 def by_axis(value: Array) -> Array:
-    """Mobilities (n, 5) of a bead that no moment acts on: along N1, N2, N3, and about them, (n, 6).
+    """Return mobilities along N1, N2, N3 and about them, (n, 6), from the five (n, 5).
 
-    Without rolling.
+    Rolling, which couples force and rotation, is left out. Along N1 and N2 the bead has the
+    mobility parallel to a wall, and about them that of turning.
     """
     return value[:, [0, 0, 1, 2, 2, 3]]
 

@@ -43,24 +43,28 @@ _PART = 0.3
 
 
 class Modes(NamedTuple):
-    """Velocities that add up to that of the bead."""
+    """Modes of the velocity of a bead: v = sum a_j v_j, each v_j relaxing to force over drag in its
+    tau_j.
+    """
 
     times: Array
-    """(modes,) or (axes, modes) s, relaxation times tau_j"""
+    """relaxation times tau_j, s, (modes,) or (axes, modes)"""
     weights: Array
-    """of the shape of `times`, a_j; those of an axis add up to 1"""
+    """weights a_j, of the shape of `times`; those of an axis add up to 1"""
 
     @property
     def struck(self) -> Array:
-        """Velocities of the modes, (modes,), of a bead struck to 1 m/s in fluid at rest."""
+        """Velocities of the modes, (modes,), after an impulse gave a bead in fluid at
+        rest 1 m/s.
+        """
         stroke: Array = 1 / (self.times * (self.weights / self.times).sum())
         return stroke
 
 
 def drag_at(frequencies: Array, drag: float, displaced_mass: float) -> Complex:
-    """gamma(2 pi i f), kg/s, at `frequencies` (n,), Hz, with the added mass.
+    """Return the drag gamma(2 pi i f), kg/s, with the added mass, at frequencies f (n,), Hz.
 
-    drag, displaced_mass: as of `modes`.
+    drag: steady drag beta, kg/s. displaced_mass: mass of the fluid in the bead's place, kg.
     """
     real, imaginary = _drag_of_translation(
         2 * np.pi * frequencies, drag, 4.5 * displaced_mass / drag
@@ -69,16 +73,16 @@ def drag_at(frequencies: Array, drag: float, displaced_mass: float) -> Complex:
 
 
 def single(time: float) -> Modes:
-    """The one mode of a bead without memory."""
+    """Return the one mode of a bead without hydrodynamic memory; time: relaxation time, s."""
     return Modes(np.array([time]), np.ones(1))
 
 
 def modes(mass: float, drag: float, displaced_mass: float, poles: int) -> Modes:
-    """Modes of a sphere, from the slowest to the fastest: one more than poles.
+    """Return the modes of a sphere, one more than `poles`, from the slowest to the fastest.
 
-    mass: of the bead alone, kg; drag: beta, kg/s; displaced_mass: of the fluid in its place, m_f,
-    kg. One mode, of the time m/beta, where the fluid has no mass. Raises `SceneError` for a number
-    of poles that there is no table of.
+    mass: of the bead alone, kg. drag: steady drag beta, kg/s. displaced_mass: mass m_f of the fluid
+    in the bead's place, kg; if it is 0, there is one mode with the time m/beta. poles: number of
+    poles of the memory. Raises `SceneError` for a number of poles without a table.
     """
     if poles not in NODES:
         raise SceneError(f"medium.poles = {poles}: allowed: {', '.join(map(str, NODES))}")
@@ -99,7 +103,11 @@ def modes(mass: float, drag: float, displaced_mass: float, poles: int) -> Modes:
 
 
 def enough_poles(way: float, tolerance: float) -> int:
-    """Fewest poles by which a way behind, `way` m, is off by a part of `tolerance`, m, at most."""
+    """Return the smallest number of poles with which a lag has at most a fraction of the tolerance
+    in error.
+
+    way: lag of the bead due to fluid inertia, m. tolerance: of the position, m.
+    """
     for n, (_, error, *_) in memory_poles.ERRORS.items():
         if _ERROR_PER_LAG * error * way <= _PART * tolerance:
             return n
@@ -107,10 +115,11 @@ def enough_poles(way: float, tolerance: float) -> int:
 
 
 def other_poles(poles: int) -> int:
-    """Return the largest number of poles, or for that one the next smaller number.
+    """Return a number of poles for comparison: the largest, or for the largest the next smaller
+    one.
 
-    The next larger number would not do for a comparison: in a viscous liquid the motion changes
-    less from 8 poles to 12 than from 12 to 40.
+    The next larger number would not do: in a viscous liquid the motion changes less from 8 poles to
+    12 than from 12 to 40.
     """
     numbers = sorted(NODES)
     return numbers[-1] if poles < numbers[-1] else numbers[-2]

@@ -29,6 +29,9 @@ _MEANINGS = {
 
 @cached_njit()
 def _fill(gaps, found):  # type: ignore[no-untyped-def]
+    """Fill found (5, n) with the mobilities of `_MEANINGS`, in this order, at gaps (n,)
+    in radii.
+    """
     for at in range(len(gaps)):
         found[0, at], found[1, at], found[2, at], found[3, at], found[4, at] = wall.mobilities(
             gaps[at]

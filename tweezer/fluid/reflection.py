@@ -46,23 +46,29 @@ _SMALL = 0.05
 
 
 class Memory(NamedTuple):
-    """A drag over the steady one: 1 + sum weights s/(s + rates) + mass s, s in 1/tau_f."""
+    """Drag over the steady drag: 1 + sum_k weights_k s/(s + rates_k) + mass s, with s
+    in 1/tau_f.
+    """
 
     rates: Array
+    """(n,) poles of the memory, positive, in 1/tau_f"""
     weights: Array
+    """(n,) weights of the poles"""
     mass: float
+    """coefficient of the added mass"""
     mobility: float
-    """steady, over that far from everything; tau_f is of the drag there"""
+    """steady mobility over that far from everything; tau_f is defined with the drag there"""
 
     @property
     def added(self) -> float:
-        """Added mass, over that of the fluid in the bead's place: 1/2 far from everything."""
+        """Added mass, over the mass of the fluid in the bead's place: 1/2 far from everything."""
         return 4.5 * self.mass / self.mobility
 
     def drag_at(self, frequencies: Array, drag: float, displaced_mass: float) -> Complex:
-        """gamma(2 pi i f), kg/s, at `frequencies` (n,), Hz, with the added mass.
+        """Return the drag gamma(2 pi i f), kg/s, with the added mass, at frequencies f (n,), Hz.
 
-        drag: the steady one where the bead is, kg/s; displaced_mass: m_f, kg.
+        drag: steady drag at the bead's position, kg/s. displaced_mass: mass of the fluid in the
+        bead's place, kg.
         """
         time = 4.5 * displaced_mass / (drag * self.mobility)
         s = 2j * np.pi * time * np.asarray(frequencies, np.float64)[..., None]
@@ -72,27 +78,27 @@ class Memory(NamedTuple):
 
 @lru_cache(maxsize=8)
 def memory_far(poles: int) -> Memory:
-    """Drag of a sphere far from everything, by that many poles."""
+    """Return the drag of a sphere far from everything, with a number of poles."""
     rates, weights = (np.array(each) for each in NODES[poles])
     return Memory(rates, weights, 1 / 9, 1.0)
 
 
 def steady(gap: float) -> tuple[float, float, float, float]:
-    """Mobilities along and across a wall over those far away, and their derivatives over the gap.
+    """Return the mobilities along and across a wall over those far away, and their derivatives.
 
-    gap: between surfaces, in radii.
+    The derivatives, in the same order, are by the gap. gap: between the surfaces, in radii.
     """
     across, along, *_, d_across, d_along, _, _, _ = _mobilities(gap)
     return along, across, d_along, d_across
 
 
 def reflected(x: Complex, height: float, *, across: bool) -> Complex:
-    """beta G: how the flow that a wall reflects moves a sphere, over how the force would in
-    steady flow far from everything; (n,).
+    """Return beta G(s): velocity of a sphere in the flow that a wall reflects, (n,).
 
-    x: (n,) alpha r = sqrt(s tau_f), not 0; height: of its centre, in radii; across: of motion
-    across the wall, not along it. The sum over waves e^(i q X) of `derivation.hydrodynamics`, whose
-    differences are written so that nothing cancels for a small x.
+    It is relative to the velocity that the force would give in steady flow far from everything. x:
+    (n,) alpha r = sqrt(s tau_f), not 0. height: of the sphere's centre, in radii. across: whether
+    the motion is across the wall or along it. The integral over waves e^(i q X) is that of
+    `derivation.hydrodynamics`, with differences written so that nothing cancels for small x.
     """
     x = np.asarray(x, np.complex128)[:, None]
     points, weights = np.polynomial.legendre.leggauss(_POINTS)
@@ -121,11 +127,11 @@ def reflected(x: Complex, height: float, *, across: bool) -> Complex:
 
 @lru_cache(maxsize=64)
 def memory_beside(height: float, *, across: bool, poles: int) -> Memory:
-    """Drag of a sphere that moves along a wall, or across it, in a fluid with inertia.
+    """Return the drag of a sphere that moves along or across a wall in a fluid with inertia.
 
-    height: of its centre, in radii, from `LOWEST` on; poles: a number that `NODES` has. With 24 the
-    sum is within 0.8 % of the reflected flow at 1.5 radii along the wall, 1.4 % at 2 across it, and
-    0.2 % from 3 radii on.
+    height: of the sphere's centre, in radii, at least `LOWEST`. poles: a number that `NODES`
+    contains. With 24 poles the fitted sum is within 0.8 % of the reflected flow at 1.5 radii along
+    the wall, 1.4 % at 2 radii across it, and 0.2 % from 3 radii on.
     """
     from scipy.optimize import nnls
 

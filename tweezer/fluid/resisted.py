@@ -1,4 +1,4 @@
-"""The force that stands for a drag by place in a method that takes constant mobilities."""
+"""Equivalent force of a drag that depends on the position, for methods with constant mobilities."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ class Resisted(Force):
     """
 
     force: Force
-    """F"""
+    """F, the force on the bead without drag and weight"""
     drag: Drag
-    """b"""
+    """b, the drag"""
     weight: Array
-    """W, (3,) N"""
+    """W, (3,) N, the weight less buoyancy"""
     reference: Array
     """(6,) s/kg and 1/(N m s), the constant mobilities along and about the axes"""
 
@@ -47,6 +47,10 @@ class Resisted(Force):
 
 @cached_njit(error_model="numpy", nogil=True)
 def _add_resisted(pose, data, wrench):  # type: ignore[no-untyped-def]
+    """Kernel of `Resisted`: add equivalent forces, moments and their gradients to `wrench`.
+
+    Entries of the data: force, drag, weight (3,) N, and reference mobilities (6,).
+    """
     drag, weight, reference = part(data, 1), vector(data, 2), vector(data, 3)
     n, gradients = len(pose.time), len(wrench.force_gradient)
     pushed = Wrench(
@@ -71,7 +75,12 @@ def _add_resisted(pose, data, wrench):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _respond(mobility, force, moment, reference, out, turning):  # type: ignore[no-untyped-def]
-    """Add what five mobilities make of a force and a moment, over the reference."""
+    """Add to a force and a moment the velocities of a bead over the reference mobilities.
+
+    mobility: (5,) or their derivatives. force, moment: (3,) acting on the bead, N and N m.
+    reference: (6,) constant mobilities along and about the axes. out, turning: (3,) equivalent
+    force and moment.
+    """
     along, across = mobility[0], mobility[1]
     turn, spin, roll = mobility[2], mobility[3], mobility[4]
     out[0] += (along * force[0] + roll * moment[1]) / reference[0]

@@ -31,12 +31,12 @@ _NEAREST = 0.1 * BORN
 
 @dataclass(frozen=True)
 class BesideWall(Drag):
-    """Drag of a sphere beside planes across z."""
+    """Drag of a sphere beside one plane across z, or between two."""
 
     stokes: Stokes
-    """far from everything"""
+    """drag far from everything"""
     radius: float
-    """r, m"""
+    """radius r of the sphere, m"""
     planes: tuple[tuple[float, float], ...]
     """position, m, and normal, 1 or -1 towards the bead, of one plane or two"""
 
@@ -53,6 +53,13 @@ class BesideWall(Drag):
 
 @cached_njit(error_model="numpy", nogil=True)
 def _beside_walls(pose, data, mobility):  # type: ignore[no-untyped-def]
+    """Kernel of `BesideWall`: fill the mobilities and, if asked for, their gradients.
+
+    Entries of the data: beta_v, kg/s, and beta_w, N m s, far from everything; radius, m; planes (1
+    or 2, 2) with position, m, and normal. A bead nearer than `_NEAREST` to a plane, or in it, has
+    the mobilities at a positive gap, and those of a mirror image inside: a bead that is pushed back
+    must be able to move.
+    """
     translation, rotation = 1.0 / number(data, 0), 1.0 / number(data, 1)
     radius, planes = number(data, 2), matrix(data, 3)
     position, normal = planes[0, 0], planes[0, 1]
@@ -81,10 +88,11 @@ def _beside_walls(pose, data, mobility):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def between_walls(g, room):  # type: ignore[no-untyped-def]
-    """Mobilities over Stokes's at a gap g of one plane that a gap `room` has left to another.
+    """Return five mobilities over Stokes's beside one plane or between two, and their derivatives.
 
-    Both in radii; `room` is infinite without another. Towards the planes, along them, of spin, of
-    turn, and of rolling, times a radius; and the derivatives of these five over g.
+    g: gap to one plane; room: sum of the gaps to both, infinite for one plane; in radii. The
+    mobilities are those towards the planes, along them, of spin, of turn and of rolling (times a
+    radius); then follow the derivatives of these five by g.
     """
     across, along, spin, turn, roll, across_by, along_by, spin_by, turn_by, roll_by = (
         wall.mobilities(g)
@@ -103,7 +111,12 @@ def between_walls(g, room):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _together(one, by_gap, other, by_other):  # type: ignore[no-untyped-def]
-    """Two resistances added up, less Stokes's, as a mobility, and its derivative over the gap."""
+    """Return a mobility between two planes and its derivative by the gap to the first plane.
+
+    one, other: mobilities beside each plane alone, over Stokes's; by_gap, by_other: their
+    derivatives, each by the gap to its own plane. The resistances, 1/mobility, less Stokes's are
+    added.
+    """
     both = one + other - one * other
     own, others = other / both, one / both
     return one * own, own * own * by_gap - others * others * by_other
