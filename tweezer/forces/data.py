@@ -45,7 +45,10 @@ class Part(NamedTuple):
 
 
 def packed(*entries: Any) -> Data:
-    """Return the data of a force from its entries: numbers, arrays (real or int32) and `Part`s."""
+    """Return the data of a force from its entries: numbers, arrays (real or int32) and `Part`s.
+
+    Compiled code reads an entry by its number, from 0, with `number`, `vector`, `part` and so on.
+    """
     flat: list[Array] = []
     own = np.zeros((len(entries), COLUMNS), np.int64)
     rows, begin = [own], 0

@@ -141,10 +141,14 @@ class SceneLight:
 
     @property
     def _force(self) -> LightForce | Beams:
+        """Force of the light of the scene, of one beam or of several."""
         return light_force(self.scene)
 
     def _places(self, positions: QuantitiesLike) -> Array:
-        """`positions` (..., 3), m; refused in a wall of the scene."""
+        """Return positions (..., 3) as an array in m.
+
+        Raises `ValueError` for other arrays, and `SceneError` for positions in a wall of the scene.
+        """
         try:
             array = np.ascontiguousarray(array_in_si(positions, "m"))
         except ValueError as error:
@@ -157,7 +161,10 @@ class SceneLight:
         return array
 
     def _wrench(self, places: Array, time: float, *, gradient: bool = False) -> Wrench:
-        """Force and moment at `places` (..., 3), as lists."""
+        """Return force and moment at positions (..., 3), m, of which n follow in one list.
+
+        time: s. gradient: compute gradients too. Warns where the error exceeds the tolerance.
+        """
         listed, force = places.reshape(-1, 3), self._force
         field = force.field(listed, gradient=gradient, time=time)
         tolerance = self.scene.optics.tolerance
@@ -174,11 +181,11 @@ class SceneLight:
         return field
 
     def _error(self, places: Array, field: Wrench, time: float) -> Array:
-        """Error of the force of `field`, which is that at `places` (..., 3), as a list."""
+        """Return the error of the force `field` at positions (..., 3), m, as a list (n,), N."""
         return self._force.error_of(places.reshape(-1, 3), field, time)
 
     def _absorbed(self, places: Array, time: float) -> Array:
-        """Power that the bead absorbs at `places` (..., 3), as a list."""
+        """Return the power that the bead absorbs at positions (..., 3), m, as a list (n,), W."""
         listed, force = places.reshape(-1, 3), self._force
         if isinstance(force, LightForce):
             return force.absorbed_power(listed)
@@ -188,7 +195,11 @@ class SceneLight:
 def _before_axis(
     positions: QuantitiesLike, places: Array
 ) -> tuple[tuple[str, ...], dict[Hashable, Any]]:
-    """Dimensions of `positions` before the last, and their coordinates; `places`: the same, m."""
+    """Return the dimensions of positions (..., 3) before the last, and the coordinates along them.
+
+    positions: as given; an array of xarray with the last dimension "axis" keeps its own. places:
+    the positions as an array, m, whose dimensions are named `place` or `place_0` and so on.
+    """
     import xarray as xr
 
     if isinstance(positions, xr.DataArray) and positions.dims[-1] == "axis":
@@ -206,7 +217,7 @@ def _before_axis(
 def optical_force(
     scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
 ) -> Array:
-    """Force of the light on the bead (3.26), N.
+    """Return the force of the light on the bead (3.26), N.
 
     positions: (..., 3) m from the focus, z along the light. time: s, of beams that move or change.
     Returns (..., 3).
@@ -222,11 +233,11 @@ def optical_force(
 def optical_force_error(
     scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
 ) -> Array:
-    """Error of the force of the light on the bead, N.
+    """Return the error of the force of the light on the bead, N.
 
-    positions: (..., 3) m from the focus. time: s. Returns (...): as estimated, or certified by the
-    map, or for the thesis's grid the distance to the quadrature. What the theory of light leaves
-    out is not in it. Raises as `optical_force`.
+    positions: (..., 3) m from the focus. time: s. Returns (...): the estimate, or the bound
+    certified by the map, or for the thesis's grid the difference from the quadrature. Errors of the
+    theory of the light are not included. Raises as `optical_force`.
     """
     of = light(scene)
     places, time = of._places(positions), to_si(time, "s")
@@ -237,7 +248,7 @@ def optical_force_error(
 def optical_jacobian(
     scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
 ) -> Array:
-    """Derivative of the force over the position, N/m: [..., i, j] = dF_i/dx_j.
+    """Return the derivative of the force over the position, N/m: [..., i, j] = dF_i/dx_j.
 
     positions: (..., 3) m from the focus. time: s. Returns (..., 3, 3). Raises as
     `optical_force`. The sum over the grid's rays jumps where a ray begins or ceases to hit the
@@ -252,7 +263,7 @@ def optical_jacobian(
 def optical_torque(
     scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
 ) -> Array:
-    """Moment of the light about the bead's centre, inertial frame, N m.
+    """Return the moment of the light about the bead's centre, in the inertial frame, N m.
 
     positions: (..., 3) m from the focus. time: s. Returns (..., 3). Zero for a sphere that absorbs
     nothing: every ray leaves it with the impact parameter it came with, and every wave with its
@@ -268,7 +279,7 @@ def optical_torque(
 def absorbed_power(
     scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
 ) -> Array:
-    """Power of the light that the bead absorbs, W.
+    """Return the power of the light that the bead absorbs, W.
 
     positions: (..., 3) m from the focus. time: s. Returns (...). Zero unless an index is complex.
     Raises as `optical_force`.
@@ -279,7 +290,7 @@ def absorbed_power(
 
 
 def _outside_walls(scene: Scene, places: Array) -> None:
-    """Refuse places (n, 3) m at which the bead would reach into a wall, or the glass of a cover."""
+    """Raise `SceneError` for positions (n, 3) m at which the bead reaches into a wall or cover."""
     body, cover = scene.body, scene.lens.cover
     walls = {z: (normal, "wall") for z, normal in (scene.wall.planes if scene.wall else ())}
     if cover is not None:
@@ -297,7 +308,10 @@ def _outside_walls(scene: Scene, places: Array) -> None:
 
 
 def _allowed_error(force: LightForce | Beams, positions: Array, time: float) -> Array:
-    """Error allowed at `positions` (n, 3) m by the tolerance, of all beams together, (n,) N."""
+    """Return the error that the scene's tolerance allows at positions (n, 3) m, (n,) N.
+
+    It is the sum over the beams. time: s.
+    """
     if isinstance(force, LightForce):
         return force.allowed_error(force.field(positions).force)
     allowed = np.zeros(len(positions))

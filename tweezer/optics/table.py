@@ -92,7 +92,7 @@ class Table:
     unit: float
     """of its lengths, m"""
     strength: float
-    """n_m P/c of all rays, N"""
+    """n_m P/c of all the light (refractive index, power, speed of light), N: unit of its forces"""
     path: Path | None
     """file of the table; None if it could not be written"""
 

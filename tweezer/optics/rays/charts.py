@@ -239,7 +239,8 @@ def _outside(rho, z, dd, tau, numbers, frames):  # type: ignore[no-untyped-def]
     """Return the place of eight beads in the outer chart or the triangle, as `_core`.
 
     The focus is outside the bead. rho, z: in radii; dd: d^2 = rho^2 + z^2; tau: tan(theta_m/2),
-    theta_m the half angle of the cone. P and Q say where rays touch the bead, see the module.
+    theta_m the half angle of the cone. The outer coordinates are P = tan((p - pi/2)/2) and
+    Q = tan((q - pi/2)/2), with p, q = gamma -+ arccos(1/d) and gamma the bead's angle to the axis.
     """
     w = _largest(root(dd - 1.0), spread(_LEAST_W))
     below_p, below_q = dd + rho - z * w, dd + rho + z * w

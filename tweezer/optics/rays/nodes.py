@@ -428,7 +428,7 @@ def _spread_out(place, rules, k, rays):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _exponential(t):  # type: ignore[no-untyped-def]
-    """Return exp(t) for |t| up to 3.1 to rounding, by the Taylor series of exp(t/8), to the 8th.
+    """Return exp(t) for |t| up to 3.1 to rounding, by the Taylor series of exp(t/8).
 
     Unlike `math.exp`, loops over it are vectorised.
     """
@@ -436,7 +436,7 @@ def _exponential(t):  # type: ignore[no-untyped-def]
     value = 0.0
     for coefficient in _EXP:
         value = value * y + coefficient
-    value *= value
+    value *= value  # exp(t/8) to the 8th power: three squares
     value *= value
     return value * value
 

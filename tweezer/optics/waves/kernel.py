@@ -174,10 +174,11 @@ def _neighbours(light, at, stride):  # type: ignore[no-untyped-def]
 
 @named_njit(**OPTIONS)
 def _elements_about(weights, of):  # type: ignore[no-untyped-def]
-    """Return the matrix elements of the direction between (n, m) and its neighbours.
+    """Return the matrix elements of the direction s between (n, m) and its neighbours.
 
-    They are for eight degrees n at once, in the order of the emitted gradients' arguments. weights:
-    `Weights`; of: entry of (m, n) in `Weights.elements`.
+    n is the degree, m the order of a partial wave. They are for eight degrees n at once, in the
+    order of the emitted gradients' arguments. weights: `Weights`; of: entry of (m, n) in
+    `Weights.elements`.
     """
     table, size, below = weights.elements, weights.size, of - weights.stride
     return (

@@ -294,10 +294,10 @@ def _pieces(
 
 
 def _to_pieces(count: int, begin: float, end: float, degree: int) -> Array:
-    """Return the matrices from a Chebyshev series on [-1, 1] to powers on each of its pieces.
+    """Return the matrices from a Chebyshev series on [-1, 1] to powers on pieces of [begin, end].
 
-    They are (count, ORDER, degree + 1): `count` equal pieces of [begin, end], powers of the
-    coordinate from -1 to 1 on a piece, Chebyshev coefficients up to `degree`.
+    They are (count, ORDER, degree + 1): `count` equal pieces, powers of the coordinate that goes
+    from -1 to 1 on a piece, Chebyshev coefficients up to `degree`.
     """
     middle = begin + (end - begin) * (np.arange(count) + 0.5) / count
     places = middle[:, None] + (end - begin) / (2 * count) * _NODES
