@@ -48,7 +48,11 @@ _ROAMING = 0.3
 
 
 def along(record: Record) -> AxisCalibration:
-    """Return the calibration of a trap along one axis from its record."""
+    """Return the calibration of a trap along one axis from its record.
+
+    The spectrum is fitted first. Its fit then corrects and tests the other estimates. For a record
+    in volts, or with a drive, all numbers after the fit are in true metres.
+    """
     known, answers = record.known, record.answers
     step, unit = record.recording.step, record.recording.unit
     signal = known.left_out.without(record.signal, step)

@@ -150,6 +150,7 @@ def calibrated(recording: Recording, setup: Setup) -> Calibration:
     axes: dict[str, AxisCalibration] = {}
     for record in records:
         beside = record.beside
+        # a record in volts without drag or drive takes the drag of the first axis
         if axes and not record.answers and recording.unit == "V" and known.drag is None:
             beside = (_told_by(next(iter(axes.values())), record.axis, known.wall),)
         if record.axis in known.drags and known.wall is not None and not known.exact:
@@ -194,6 +195,7 @@ def _records(recording: Recording, known: Known) -> list[Record]:
     unmeasured = digits.of_samples(recording.positions) if recording.scene is None else ()
     records = []
     for axis, signal in zip(recording.axes, recording.positions.T, strict=True):
+        # signal without answers to the stage, the answers, and frequencies of the sensor's noise
         still, answers, unfollowed = drive.answers(signal) if drive else (signal, (), ())
         records.append(
             Record(recording, axis, known, still, answers, drive, unfollowed, unmeasured)
@@ -217,7 +219,11 @@ def _told_by(other: AxisCalibration, axis: str, height: Height | None) -> KnownD
 def _free(
     recording: Recording, known: Known, records: list[Record], axes: ByAxis[AxisCalibration]
 ) -> Diffusion | None:
-    """Return the diffusion along the axes without a detected trap; None if there are none."""
+    """Return the diffusion along the axes without a detected trap; None if there are none.
+
+    `known` are bead, medium and detector, and `axes` the calibrations with the findings against a
+    trap. Findings about the samples of `recording` are included.
+    """
     detector, left, drag = known.detector, known.left_out, known.drag
     mobilities = (
         {axis: drag / beside for axis, beside in known.drags.items()} if drag is not None else {}

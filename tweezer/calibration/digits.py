@@ -41,9 +41,9 @@ _NONE = 4.0
 
 
 def of_samples(positions: Array) -> tuple[Finding, ...]:
-    """Return findings against positions, (n, axes): samples that were not measured.
+    """Return findings for samples of positions, (n, axes), that were not measured.
 
-    Their order is `repeated`, `interpolated`, `copied`.
+    They are `lost`, `repeated`, `interpolated` and `copied`, in this order.
     """
     found = []
     missing = unmeasured(positions)

@@ -27,9 +27,9 @@ from tweezer.values.rounding import time_taken
 
 #: Probability of such a record from a trapped bead below which a finding is reported.
 IMPROBABLE = 1e-3
-#: The same for a p-value that is printed beside the result.
+#: Probability below which a p-value that is printed beside the result is a finding.
 REFUTED = 1e-2
-#: The same for a disturbance that would shift an estimate by `HARM` or more.
+#: Probability below which a disturbance that shifts an estimate by `HARM` or more is a finding.
 _UNLIKELY = 1e-2
 #: Shift of an estimate that is harmless, in its standard uncertainties.
 HARM = 0.5
@@ -50,9 +50,9 @@ _HEAPED = 2
 SLOW = 4
 #: Number of half periods in a record up to which a drift looks like lines.
 _SLOWEST = 40
-#: Largest distance of ordinates of one line, and largest number of lines that are told.
+#: Largest distance of ordinates of one line, and largest number of lines that are listed.
 _LINE, _LINES_TOLD = 3, 3
-#: The same as `HARM` for an exposure that is not known, and may be 0.
+#: Shift by an unknown exposure, which may be 0, that is harmless, in standard uncertainties.
 _HARM_IF_ANY = 1.0
 #: Exposures that are tried if none is given, in steps.
 _EXPOSURES = (1.0, 0.5, 0.25)
@@ -64,7 +64,7 @@ _FAST = 5e3
 _BY_ROUNDING = 0.25
 #: Tolerance of the fits in tests.
 _ROUGHLY = 1e-2
-#: Smallest fraction of its information that white noise keeps beside stiffness and drag.
+#: Smallest fraction of the information on white noise that is not shared with stiffness and drag.
 _DISTINCT = 1e-3
 
 

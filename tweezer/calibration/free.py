@@ -55,11 +55,12 @@ _TAILED = 4.0
 _OBJECTIONS = {"drift", "noise", "spectrum"}
 #: Number of bands of the spectrum whose mean squares are compared.
 _BANDS = 10
-#: Largest number of jumps that are told.
+#: Largest number of jumps that are listed.
 _TOLD = 3
 #: Smallest A, in mean squared steps, from which a fit starts.
 _LEAST_START = 0.05
-#: Squared noise that is seen, in its standard uncertainties, and the 95 % upper limit of any.
+#: Smallest squared noise that counts as determined, and distance of its 95 % upper limit, both in
+#: standard uncertainties.
 _SEEN, _ONE_SIDED = 3.0, 1.645
 #: Smallest logarithm of B/A at which only noise is visible.
 _NO_DIFFUSION = 12.0
@@ -257,7 +258,8 @@ def not_trapped(
 ) -> Diffusion | None:
     """Return the diffusion along the axes without a detected trap; None if there is no such axis.
 
-    `found` contains the findings against a trapped bead for each axis of the positions (n, axes).
+    `found` contains the findings against a trapped bead for each axis of the positions (n, axes),
+    m, which are sampled every `step`, s. `given` are known properties of the bead.
     An axis is free if it looks free, or if it has other findings but none against a free bead.
     """
 
@@ -778,6 +780,7 @@ def _by_covariance(
     products = np.concatenate([piece[:-1] * piece[1:] for piece in off])
 
     def estimated(part: slice) -> tuple[float, float]:
+        """Return diffusion and uncertainty, m^2/s, from a part of the squares and products."""
         square, product = float(squares[part].mean()), float(products[part].mean())
         n = len(squares[part])
         D, s = (square / 2 + product) / step, -product

@@ -77,7 +77,10 @@ class LeftOut:
         return math.floor(2 * self.drift * samples * step)
 
     def refuse_too_much(self, name: str, samples: int, step: float) -> None:
-        """Raise `ResultError` if too few frequencies are left for a fit."""
+        """Raise `ResultError` if too few Fourier frequencies are left for a fit.
+
+        The record `name` has a number of `samples`, one every `step`, s.
+        """
         frequencies = np.arange(1, (samples + 1) // 2) / (samples * step)
         kept = ~within(frequencies, (*self.of_record(samples, step), *self.of_fit))
         if kept.sum() < min(LEAST_ORDINATES, len(frequencies)):

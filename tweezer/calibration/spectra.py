@@ -317,7 +317,10 @@ class TrappedBead:
 
     @cached_property
     def _forgetful(self) -> Decays:
-        """Amplitudes (m^2) and rates (1/s) of the exponentials of a bead without memory."""
+        """Amplitudes (m^2) and rates (1/s) of the autocovariance of a bead without fluid memory.
+
+        An overdamped bead has one exponential, and a bead with a mass two.
+        """
         equipartition = Boltzmann * self.temperature / self.stiffness
         mass = self._inertia
         if not mass:

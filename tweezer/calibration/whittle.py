@@ -180,7 +180,7 @@ class Periodogram:
 
     @cached_property
     def covered(self) -> tuple[Array, Array]:
-        """Frequencies (Hz) of the ordinates in its blocks, and their densities (m^2/Hz)."""
+        """Frequencies, Hz, and densities, m^2/Hz, of the single ordinates in the blocks."""
         duration = self.samples * self.step
         index = np.rint(self.ends * duration).astype(np.int64)
         gaps = np.flatnonzero(index[1:, 0] > index[:-1, 1] + 1)

@@ -53,8 +53,8 @@ _MOST_NOISE = 5.0
 #: Half-width of the search if none is given, as a part of how far the force is
 #: sampled evenly (`tweezer.forces.equilibria.Search`), which is the range of its map
 _SEARCH = 0.75
-#: Number of values of one fitted quantity that a place of the scan is tried with; doubled by each
-#: further quantity
+#: Number of values of one fitted quantity that are tried at each z of the scan; it doubles with
+#: each further quantity
 _TRIALS = 16
 #: Step in z over which the misfit is about a parabola, in radii
 _Z_STEP = 0.03
@@ -68,7 +68,7 @@ _GUESS = 4.5
 _UNEVEN = 1e-3
 
 
-#: note of every result on the model of its filter
+#: Note of every result about the approximation of its filter
 _WITHOUT_MEMORY = (
     "The filter leaves out the memory of the fluid. In water this puts the start of beads of "
     "0.5 to 2 um some 10 to 25 nm too far from the trap."
@@ -85,7 +85,7 @@ class _Free(NamedTuple):
     """largest |p|; NaN for noise and release, whose ranges depend on the track"""
 
 
-#: what may be fitted
+#: Quantities that may be fitted besides z, by name
 FREE = {
     "noise": _Free("m", 0.1, math.nan),
     "power": _Free("W", 0.03, math.log(4)),

@@ -159,6 +159,7 @@ def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
     loop = _loop()
 
     def filtered(bead: Bead, camera: Camera, least: float = -math.inf) -> Filtered:
+        """Filter the track of a camera, unless its log-likelihood cannot reach `least`."""
         seen = camera.positions.shape[1]
         out = [np.full((len(camera.times), columns), np.nan) for columns in (3, 3, seen, seen)]
         log_likelihood = loop(system, scale, bead, camera, least, *out)
@@ -191,7 +192,8 @@ def _loop() -> Any:
     def loop(  # type: ignore[no-untyped-def]
         system, scale, bead, camera, least, predicted, deviations, residuals, weights
     ):
-        m = scale.shape[0]
+        """Filter all frames; the arguments and the result are described in `_loop`."""
+        m = scale.shape[0]  # number of components of the state without I (`Room`)
         work = _room(system, scale, camera.exposure > 0)
         mean, P = work.mean, work.P
         for k in range(3):
@@ -389,7 +391,8 @@ def _rates(system, bead, work, place, rate, A, diffusion):  # type: ignore[no-un
     """Compute the rate of change of the filter's state at `place` by the emitted model.
 
     Fills `rate` (n,), m/s, its Jacobian `A` (n, n), 1/s, and the diffusion coefficients `diffusion`
-    (3,), m^2/s. `place` (n,), m, is a state as `Room` describes it.
+    (3,), m^2/s. `place` (n,), m, is a state as `Room` describes it, `system` the bound force and
+    drag, and `work` has scratch and the covariance.
     """
     at, state, scale = work.at, work.state, work.scale
     n, m = rate.shape[0], scale.shape[0]

@@ -39,7 +39,7 @@ _END = 0.01
 _SMOOTH = 0.9
 #: Smallest number of relaxation times, of the slowest axis that is seen
 _FEW = 50.0
-#: Change that a key must be told to within, as a factor or in radii, or it is not determined
+#: Largest distance of an interval's end from a determined value, as a logarithm or in radii
 _DETERMINED = 0.5
 #: Misfit above the least at which another minimum is not excluded: each fits by its own chance
 _RIVAL = 15.0

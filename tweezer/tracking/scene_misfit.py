@@ -191,7 +191,10 @@ class Misfit:
         return self._bound(tuple(q.tolist()))
 
     def _bind(self, place: tuple[float, ...]) -> Bound | str:
-        """Compute `bound`; the place is a tuple, which can be the key of a cache."""
+        """Return the trapped beads of the scene at a place, or why it has none, without the cache.
+
+        The place is a tuple, because the cache of `bound` needs a hashable argument.
+        """
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UnitWarning)
             warnings.simplefilter("ignore", PhysicsWarning)
@@ -256,7 +259,10 @@ class Misfit:
         return bound.bending**2
 
     def minima(self, progress: Callable[[float], None]) -> list[Least]:
-        """Return the minima that the best of several places lead to, the lowest first."""
+        """Return the different minima that searches from several places reach, the lowest first.
+
+        The searches begin at the best of `_TRIALS` places about the first guess.
+        """
         n = len(self.keys)
         trials = _ABOUT * (2 * Sobol(n, scramble=False).random(_TRIALS) - 1)
         places = [np.clip(trial, *self.bounds.T) for trial in trials]  # the guesses among them

@@ -23,7 +23,7 @@ from tweezer.values.shown import Card, Row, Shown
 
 Array = NDArray[np.float64]
 
-#: Longest time that is told from for ever, s
+#: Longest time that is distinguished from an infinite one, s
 LONGEST = 1e20
 #: Work on every straight way out, k_B T, from which on no time is computed: it is longer than that
 DEEP = 300.0
@@ -47,7 +47,7 @@ _FINE_DARK = 0.02
 _NOTHING = 1.1
 #: Thermal conductivity of water, W/m/K
 _WATER = 0.6
-#: Warming of the bead's surface from which on it is said, K
+#: Smallest warming of the bead's surface that is reported, K
 _WARM = 0.1
 #: Units of time and their length, s
 _UNITS = (
@@ -239,6 +239,7 @@ def _field(problem: Problem, start: tuple[float, float], side: int, *, dark: boo
     free = problem.mobilities(np.array([[0.0, 0.0, start[1]]]))[0]
 
     def field(rho: Array, z: Array) -> tuple[Array, Array, Array, Array]:
+        """Return forces, N, and mobilities, s/kg, across and along the axis (`Field`)."""
         places = np.zeros((len(rho), 3))
         places[:, side], places[:, 2] = rho, z
         force = np.zeros_like(places) if dark else sampled(problem.scene, places)[0]

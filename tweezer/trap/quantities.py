@@ -10,7 +10,7 @@ from tweezer.values.measured import Quantity
 if TYPE_CHECKING:
     from tweezer.scene import Scene
 
-#: What becomes of a bead
+#: Outcomes of a bead in a trap
 HELD, RESTS, LOST = "held", "rests on the wall", "not held"
 ON_RING = "held on a ring"
 #: Word of a trap out of which the easiest straight way takes less than `STABLE`

@@ -685,6 +685,7 @@ class _LightForce:
         self.error = 0.0
 
     def __call__(self, points: Array) -> Array:
+        """Return the force, (n, 3) N, at points (n, 3), m."""
         if self._scene.plain and len(points) >= _LINE:
             force, error = sampled(self._scene, points)
         else:
