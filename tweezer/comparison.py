@@ -442,10 +442,12 @@ def _by_chance(a: Numbers, b: Numbers) -> tuple[Array, Array, Array]:
         if a.part and a.part == b.part:
             # of each alone, a few parts that happen to lie close would have a low error too
             freedom, both = np.add(a.freedom, b.freedom), np.add(a.parts, b.parts)
+            # variance of a single part, n e^2 in each result, averaged over all n_a + n_b parts
             scatter = (a.parts**2 * e[0] + b.parts**2 * e[1]) / both
             e = [scatter / a.parts, scatter / b.parts]
             variance = [(a.parts * a.values + b.parts * b.values) / both] * 2
         if a.is_variance:
+            # degrees of freedom of each variance; the smaller tail of the F distribution counts
             of_each = [2 * v**2 / each for v, each in zip(variance, e, strict=True)]
             ratio = a.values / b.values
             deviate = ndtri(np.minimum(fdtr(*of_each, ratio), fdtrc(*of_each, ratio)))
@@ -666,6 +668,7 @@ def _of_ensemble(name: str, runs: xr.Dataset, about: dict[str, Any]) -> Source:
         with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # none is left
             mean = np.nanmean(places, axis=0)
             off = (places - mean) ** 2
+            # n/(n - 1) makes the variance of the n beads that are left unbiased
             variance = off.mean(axis=0, where=np.isfinite(off)) * left / (left - 1)
             kurtosis = np.nanmean(off**2, axis=0) / np.nanmean(off, axis=0) ** 2
             of_variance = _error_of_variance(variance, kurtosis, left)
@@ -677,6 +680,7 @@ def _of_ensemble(name: str, runs: xr.Dataset, about: dict[str, Any]) -> Source:
             return f"at {_ms(times[at[i[0]]])} {_along(i)}"
 
         share = lost.mean()
+        # standard error of a fraction; 0.25/n keeps it above 0 if none or all are lost
         part = np.array([math.sqrt((share * (1 - share) + 0.25 / n) / n)])
         numbers = {
             "mean over trajectories": Numbers("m", mean, next(errors), where, freedom),

@@ -253,7 +253,11 @@ def _calibrate_traps(
     plot: Path | None,
     report: Path | None,
 ) -> None:
-    """Print, draw and write calibrations and the mean of several recordings."""
+    """Calibrate recordings of trapped beads; print the results, and write and draw them if asked.
+
+    Several recordings are combined, or find the wall if positions of the focus are given. Exits
+    with code 1 if a result has findings against it or an axis has no stiffness.
+    """
     from tweezer.calibration import Trajectory, find_wall, together
     from tweezer.calibration.calibration import calibrated
     from tweezer.calibration.together import printed

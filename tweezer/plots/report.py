@@ -225,7 +225,10 @@ def _as_html(page: Page, recording: Recording, calibration: Calibration) -> str:
 
 
 def _as_pdf(page: Page, recording: Recording, calibration: Calibration) -> Figure:
-    """Return the report as a figure: words above, drawings below."""
+    """Return the report as a figure for a PDF: words above, drawings below.
+
+    The height of the figure follows from the number of lines, each of a fixed height.
+    """
     from tweezer.plots import draw_calibration, style
 
     notes = [

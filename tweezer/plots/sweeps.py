@@ -271,7 +271,7 @@ def _edges(at: Array, *, wide: bool) -> Array:
     wide: whether the axis is logarithmic.
     """
     values = np.log(at) if wide else at
-    middle = (values[1:] + values[:-1]) / 2
+    middle = (values[1:] + values[:-1]) / 2  # the outer edges mirror the nearest inner ones
     edges = np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
     return np.exp(edges) if wide else edges
 

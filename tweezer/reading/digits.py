@@ -152,7 +152,7 @@ def step_of(values: Array) -> float:
     step = float(gaps.min()) if len(gaps) else 0.0
     if not step or (distinct[-1] - distinct[0]) / step > 1e8:
         return 0.0
-    numbers = gaps / step
+    numbers = gaps / step  # steps in each gap, which must be whole numbers
     if np.abs(numbers - np.rint(numbers)).max() > 0.1:
         return 0.0
     return float(gaps.sum() / np.rint(numbers).sum())
@@ -176,7 +176,7 @@ def copied(positions: Array) -> str:
             lags += [abs(int(each) - int(place)) for each in alike if abs(int(each) - place) > 1]
     if not lags:
         return ""
-    lag = max(set(lags), key=lambda each: (lags.count(each), -each))
+    lag = max(set(lags), key=lambda each: (lags.count(each), -each))  # of equals the shortest
     same = (positions[lag:] == positions[:-lag]).all(axis=1)
     beside = (positions[lag + 1 :] == positions[: -lag - 1]).all(axis=1)
     if same.sum() <= max(_LEAST + _RATIO * beside.sum(), _COPIED * n):
@@ -309,6 +309,7 @@ def _between(positions: Array, without: Rows) -> Rows:
     if not levels:
         return np.zeros(len(positions), bool)
     exact &= ~without
+    # the near region is 5**levels times as large as the exact one, which it contains
     expected = (near & ~exact & ~without).sum() / (5**levels - 1)
     return exact if exact.sum() > _LEAST + _RATIO * expected else np.zeros(len(positions), bool)
 

@@ -68,7 +68,7 @@ def without_gaps(
     if there.all() and (leaps == 1).all():
         return times, columns, "; ".join(notes)
     whole = bool((np.abs(steps / usual - leaps)[leaps > 1] <= _OFF).all())
-    numbers = np.concatenate([[0.0], np.cumsum(leaps)])
+    numbers = np.concatenate([[0.0], np.cumsum(leaps)])  # of each row on the even grid of times
     every = int(numbers[-1]) + 1
     lost = every - int(there.sum())
     said = f"samples missing: {lost:,} of {every:,}"

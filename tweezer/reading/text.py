@@ -82,7 +82,7 @@ def open_text(path: Path, names: Callable[[list[str]], bool]) -> Table:
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         content = content.decode("utf-16", errors="replace").encode()
     content = content.removeprefix(codecs.BOM_UTF8)
-    if b"\r" in content:
+    if b"\r" in content:  # line ends of Windows and of old Macs
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     lines = list(islice(BytesIO(content), _HEAD))
     try:

@@ -53,7 +53,9 @@ class Tuned:
 
 @dataclass(frozen=True, repr=False)
 class Tuning(Shown):
-    """Deviation of the scaled from the unscaled response, by scaling factor."""
+    """Cost and error of the scaled model for several scaling factors, compared with the unscaled
+    one.
+    """
 
     entries: list[Tuned]
     """by descending scaling factor"""

@@ -35,7 +35,7 @@ Factors = Annotated[tuple[Factor, ...], entries(1, 100_000)]
 
 
 class Section(BaseModel):
-    """A part of a scene: immutable, and no key it does not know."""
+    """Base of a part of a scene: immutable, and without unknown keys."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
@@ -55,7 +55,9 @@ def refusal(reason: str) -> PydanticCustomError:
 
 
 class _Course(Section):
-    """Something that changes in time: its `kind`, and the keys that go with it."""
+    """Base of a course in time, of a position or a power: its `kind`, and the keys that belong to
+    it.
+    """
 
     kind: str
 

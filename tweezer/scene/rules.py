@@ -154,7 +154,7 @@ def _beside_the_wall(scene: Description) -> None:
 
 
 def _thermal(scene: Description) -> None:
-    """Refuse settings for thermal motion without it, and settings that it excludes."""
+    """Refuse settings that require thermal motion if there is none, and those that exclude it."""
     method, model = scene.simulation.method, scene.simulation.model
     how = None if method == "auto" else METHODS[method]
     if not scene.forces.brownian:

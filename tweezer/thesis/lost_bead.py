@@ -22,7 +22,7 @@ _BEAD = "thesis-500nm"
 _FACTORS = (1e-5, 2e-5, 3e-5, 4e-5, 5e-5, 1e-4, 3e-4, 1e-3, 1e-2)
 _POWERS = (30, 60, 80, 100, 120, 156, 200, 300)
 _THERMAL_TRAJECTORIES = 200
-#: Approximate duration of the parts, in runs without noise
+#: Approximate duration of the ensemble with thermal motion, in runs without noise
 _THERMAL_WORK = 40
 
 

@@ -70,8 +70,9 @@ def zero(function: Callable[[float], float], low: float, high: float, tolerance:
             return here
         tried = math.inf
         if abs(last_step) > shortest and abs(f_here) < abs(f_before):
+            # s, q and r are ratios of function values at the last three places
             s = f_here / f_before
-            if before == other:
+            if before == other:  # two places: the secant
                 tried = 2 * bisecting * s / (s - 1)
             else:  # inverse quadratic interpolation
                 q, r = f_before / f_other, f_here / f_other

@@ -16,7 +16,8 @@ def rounded(value: float, uncertainty: float) -> tuple[str, str]:
     """
     if not 0 < uncertainty < math.inf or not math.isfinite(value):
         return f"{value:.4g}", f"{uncertainty:.2g}"
-    last = int(f"{uncertainty:.1e}".partition("e")[2]) - 1  # power of ten of the last digit
+    # power of ten of the last digit, by formatting, which rounds 9.96 to two digits first
+    last = int(f"{uncertainty:.1e}".partition("e")[2]) - 1
     size = max(abs(value), uncertainty)
     if not _PLAIN[0] <= size < _PLAIN[1]:
         power = math.floor(math.log10(size))

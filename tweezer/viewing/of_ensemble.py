@@ -161,6 +161,7 @@ def _read(
             np.where(count > 0, mean, np.nan), np.sqrt(variance / count), np.sqrt(variance),
             of_variance / (2 * np.sqrt(variance)), count[:, 0], None if centre is None else near,
         )  # fmt: skip
+    # the error of a standard deviation s follows from that of s^2 by division by 2 s
     return course, positions
 
 

@@ -248,7 +248,7 @@ def _table(light: LightForce, reach: float, low: float, high: float) -> _Table:
     force is computed at one angle for symmetric light, else at three, which determine a, b and c of
     `_Table`. It is computed again in the middle of each cell, at another angle, for the errors.
     """
-    step = math.sqrt(reach * (high - low) / _NODES)
+    step = math.sqrt(reach * (high - low) / _NODES)  # so that about _NODES cells fill the area
     rho = step * np.arange(math.ceil(reach / step) + 1 + _BEYOND)
     z = low + step * np.arange(-_BEYOND, math.ceil((high - low) / step) + 1 + _BEYOND)
     angles = np.array(_ANGLES[:1] if light.symmetric else _ANGLES)
@@ -261,6 +261,8 @@ def _table(light: LightForce, reach: float, low: float, high: float) -> _Table:
         x, y = force[..., 0], force[..., 1]
         turned.append([cosine * x + sine * y, cosine * y - sine * x, force[..., 2]])
     at_angles = np.array(turned)
+    # a, b and c of `_Table` as Fourier coefficients: at 0, 60 and 120 degrees cos and sin of 2 phi
+    # are orthogonal, and their means are 0
     parts = [at_angles.mean(axis=0)]
     if angles.size > 1:
         parts += [2 * np.tensordot(turn(2 * angles), at_angles, 1) / angles.size

@@ -44,7 +44,7 @@ FILLED = "filled in"
 
 
 class Filled(Section):
-    """A section of which the scene may fill in some keys: they are not said again when it is."""
+    """Base of a section in which a scene fills in keys; these are left out when it is written."""
 
     _filled: frozenset[str] = PrivateAttr(frozenset())
 

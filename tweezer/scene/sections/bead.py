@@ -37,7 +37,7 @@ Moments = Annotated[tuple[MomentOfInertia, MomentOfInertia, MomentOfInertia], en
 
 
 class _Round(Filled):
-    """A section with a `radius`, which `diameter` may stand for."""
+    """Base of a section with a `radius`, in place of which `diameter` may be given."""
 
     @property
     def diameter(self) -> float:
@@ -47,7 +47,9 @@ class _Round(Filled):
 
 
 class Layer(_Round):
-    """A sphere, or the shell of one about the layer before. `diameter` may stand for `radius`."""
+    """A layer of a bead: the core, or a shell about the layer before. `diameter` may replace
+    `radius`.
+    """
 
     radius: BeadRadius = Field(description="outer radius")
     material: MaterialName | None = Field(

@@ -38,7 +38,7 @@ Orientation = Annotated[
 
 
 class Start(Section):
-    """Where and how the bead is released."""
+    """Release of the bead: position, orientation and velocities, given or drawn at random."""
 
     frame: Literal["focus", "lens"] = Field(
         "focus", description="origin of `position`: the focus, or the lens as in Table 5.1"
@@ -146,7 +146,7 @@ class Camera(Section):
 
 
 class Simulation(Section):
-    """Model, method, tolerances and output."""
+    """Computation of the motion: model, method, tolerances, duration and output."""
 
     model: ModelName | None = Field(
         None,
