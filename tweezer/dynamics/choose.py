@@ -23,22 +23,21 @@ _STIFF = 3_000
 
 
 def chosen(scene: Scene) -> tuple[Scene, str]:
-    """`scene` with a model, a method and the fluid's inertia, and why these: see `decided`."""
+    """Return `scene` with a model, a method and fluid inertia, and the reasons: see `decided`."""
     problem, why = decided(bound_once(scene))
     return problem.scene, why
 
 
 def decided(problem: Problem) -> tuple[Problem, str]:
-    """A problem with a model, a method and the fluid's inertia, and why these.
+    """Return a problem with a model, a method and fluid inertia, and the reasons for them.
 
-    As it is where it names all.
-
-    With tau the relaxation time of the velocity and k/beta_v the fastest rate of the trap, leaving
-    inertia out puts the bead off by about r tau k/beta_v, the first-order model by its square.
-    The unscaled equations cost the same as those without inertia where the exponential method
-    takes their drag exactly, so the first-order model is chosen only for bodies that it cannot
-    integrate. Leaving the fluid's inertia out puts the bead off by its lag (`Scene.lag`), which is
-    more; so it is part of the model `full` where the exponential method integrates it.
+    Values that the scene sets are kept. With tau the relaxation time of the velocity and k/beta_v
+    the fastest rate of the trap, omitting inertia displaces the bead by about r tau k/beta_v, and
+    the first-order model by this times tau k/beta_v. The unscaled equations cost the same as those
+    without inertia if the exponential method can integrate them, so the first-order model is chosen
+    only for bodies that it cannot integrate. Omitting fluid inertia displaces the bead by its lag
+    (`Scene.lag`), which is more; so it is part of the model `full` if the exponential method
+    integrates it.
 
     Raises `SceneError` if the scene names a memory that cannot be integrated.
     """
@@ -58,7 +57,9 @@ def decided(problem: Problem) -> tuple[Problem, str]:
 
 
 def _memory(problem: Problem) -> tuple[int, str]:
-    """Poles of the memory of the fluid whose error is within the tolerance, and the reason."""
+    """Return the number of poles of the memory whose error is within the tolerance, and
+    the reason.
+    """
     scene = problem.scene
     way = scene.lag * problem.fastest
     poles = scene.medium.poles or enough_poles(way, scene.simulation.position_tolerance)
@@ -67,7 +68,9 @@ def _memory(problem: Problem) -> tuple[int, str]:
 
 
 def _without_wall(scene: Scene) -> str:
-    """What a memory leaves out of the wall of a scene; empty without one."""
+    """Return a clause about the wall's drag, which a fluid with memory ignores; empty without a
+    wall.
+    """
     if scene.wall is None:
         return ""
     along, across = 100 * left_out_of_walls(scene, np.array([scene.start_position]))[0]
@@ -78,6 +81,7 @@ def _without_wall(scene: Scene) -> str:
 
 
 def _model(problem: Problem) -> tuple[str, str]:
+    """Return the cheapest model whose error is within the tolerance, and the reason."""
     scene, tau = problem.scene, problem.relaxation_time
     simulation, inertia = scene.simulation, scene.medium.inertia
     small = tau * float(rates_of_force(problem).max())
@@ -101,7 +105,7 @@ def _model(problem: Problem) -> tuple[str, str]:
 
 
 def method_for(equations: EquationsOfMotion) -> tuple[str, str]:
-    """The method that suits the equations, and why."""
+    """Return the method that suits the equations, and the reason."""
     simulation = equations.scene.simulation
     if equations.takes_drag_exactly:
         return "exponential", "exponential: takes the drag exactly"
@@ -118,12 +122,15 @@ def method_for(equations: EquationsOfMotion) -> tuple[str, str]:
 
 
 def rates_of_force(problem: Problem) -> Array:
-    """|dF/dx| times the largest mobility at places about the foci and at the start, (n,) 1/s.
+    """Return |dF/dx| times the largest mobility at positions about the foci and at the start, (n,)
+    1/s.
 
-    Of forces that change in time: at the time of those looked at when they are the largest.
+    For forces that change in time it is evaluated at several times, and the largest result is
+    returned.
     """
 
     def sizes(time: float) -> Array:
+        """Return the rates at a time, s, (n,) 1/s."""
         places = problem.places_about(time)
         gradient = problem.field(places, gradient=True, time=time).force_gradient
         mobility = problem.mobilities(places)[:, TRANSLATION].max(axis=1)

@@ -52,7 +52,7 @@ _OF_CONTACT = 0.005
 
 @dataclass(frozen=True)
 class Motion:
-    """What a bead does at n times."""
+    """Position, velocity and orientation of a bead at n times."""
 
     position: Array
     """(n, 3) m from the focus"""
@@ -61,27 +61,27 @@ class Motion:
     orientation: Array | None
     """(n, 4) Euler parameters of length 1, or None for a scene without rotation"""
     angular_velocity: Array | None
-    """(n, 3) rad/s, body frame; None where the other two are"""
+    """(n, 3) rad/s, body frame; None if `velocity` or `orientation` is None"""
 
 
 @dataclass(repr=False)
 class EquationsOfMotion(Shown):
-    """One emitted model with a scene's parameters and light.
+    """Equations of motion: one emitted model with a scene's parameters and light.
 
-    `rhs(t, y)` and `jacobian(t, y)` are plain callables for any solver, `initial_state` is
-    where to start, and `motion` reads positions and rates out of states.
+    `rhs(t, y)` and `jacobian(t, y)` are plain callables for any solver, `initial_state` is the
+    state at the release, and `motion` converts states to positions and velocities.
     """
 
     problem: Problem
     module: ModuleType
     begin: Begin | None = None
-    """what a run goes on from; None for one from the release"""
+    """end of the run that is continued; None for a run from the release"""
     force_calls: int = field(default=0, init=False)
     """positions at which `rhs` and `jacobian` evaluated the light so far"""
     rotates: bool = field(init=False)
-    """whether the state holds an orientation"""
+    """whether the state contains an orientation"""
     stiff: bool = field(init=False)
-    """whether the state holds velocities, which the drag stops at once"""
+    """whether the state contains velocities, which relax much faster than the bead moves"""
 
     def __post_init__(self) -> None:
         self.scene, self.bead = self.problem.scene, self.problem.bead
@@ -105,7 +105,7 @@ class EquationsOfMotion(Shown):
         return _bound_again, (self.problem, self.name, self.begin)
 
     def card(self) -> Card:
-        """Model, variables, tolerances."""
+        """Return the summary that is shown: model, variables, tolerances."""
         simulation = self.scene.simulation
         rows = (
             Row("model", f"{simulation.model}, emitted as {self.name}"),
@@ -117,9 +117,11 @@ class EquationsOfMotion(Shown):
 
     @functools.cached_property
     def relaxation(self) -> Relaxation:
-        """How the velocities follow the force, for the exponential method: by the emitted rates.
+        """Relaxation of the velocities towards force over drag, as the exponential method requires
+        it.
 
-        For equal moments of inertia; by the drag at the start.
+        The relaxation times and mobilities are found by evaluating the emitted rates, with the drag
+        at the start. Assumes equal moments of inertia.
         """
         names, first = self.module.PARAMS, self.layout.first
         rest = np.zeros(self._size)
@@ -139,6 +141,11 @@ class EquationsOfMotion(Shown):
         mobility[4] = 0.0  # rolling is part of `moving`
 
         def rates(params: Array, y: Array, pushed: int | None = None) -> Array:
+            """Return the emitted rates of the velocities in a state y.
+
+            pushed: index of a force or moment component that is 1, the others being 0; None for no
+            force.
+            """
             wrench, out = np.zeros(6), np.empty(self._size)
             if pushed is not None:
                 wrench[pushed] = 1.0
@@ -167,9 +174,9 @@ class EquationsOfMotion(Shown):
 
     @functools.cached_property
     def moving(self) -> Force:
-        """The force; under a drag by place, the one that has its effect with constant mobilities.
+        """Force on the bead; if the drag depends on the position, an equivalent force.
 
-        These are the mobilities at the start.
+        With the constant mobilities at the start, the equivalent force gives the same velocities.
         """
         if self.drag.uniform:
             return self.force
@@ -177,7 +184,11 @@ class EquationsOfMotion(Shown):
         return Resisted(self.force, self.drag, weight, mobility)
 
     def _modes(self, times: Array) -> Modes:
-        """Those of a memory, or one by axis, of the relaxation times by the emitted rates."""
+        """Return the modes of the velocity along and about each axis.
+
+        times: (axes,) relaxation times by the emitted rates, s. Hydrodynamic memory replaces those
+        of translation by several modes.
+        """
         if not self.remembers:
             return Modes(times[:, None], np.ones((len(times), 1)))
         memory = self.problem.modes
@@ -189,21 +200,20 @@ class EquationsOfMotion(Shown):
 
     @property
     def remembers(self) -> bool:
-        """Whether the fluid's memory is part of the motion; the emitted rates do not hold it."""
+        """Whether hydrodynamic memory is part of the motion; the emitted rates do not
+        contain it.
+        """
         return self.scene.medium.inertia == "memory"
 
     @property
     def fastest_relaxation(self) -> float:
-        """s, in which the fastest velocity decays at the start.
-
-        Of the model's own inertia, scaled or not.
-        """
+        """Shortest relaxation time of a velocity at the start, s, scaled if the model is."""
         factor = self.scene.simulation.scaling_factor if "a2" in self.module.PARAMS else None
         return float(self._relaxation_times.min()) / (factor or 1.0)
 
     @property
     def _relaxation_times(self) -> Array:
-        """s, of the velocities at the start: of translation and, with a rotation, of rotation."""
+        """Relaxation times of the velocities at the start, s: (3,), or (6,) with rotation."""
         bead, mobility = self.bead, self.problem.mobility
         translation = self.problem.effective_mass * mobility[TRANSLATION]
         if not self.rotates:
@@ -212,17 +222,17 @@ class EquationsOfMotion(Shown):
 
     @property
     def begin_time(self) -> float:
-        """s since the release, from when on the motion is followed."""
+        """Time since the release at which the integration begins, s."""
         return 0.0 if self.begin is None else self.begin.time
 
     @property
     def begin_state(self) -> Array:
-        """(state,) at that time."""
+        """State (state,) at `begin_time`."""
         return self.initial_state if self.begin is None else self.begin.state
 
     @property
     def takes_drag_exactly(self) -> bool:
-        """Whether the exponential method can integrate them."""
+        """Whether the exponential method can integrate these equations."""
         return takes_drag_exactly(self.module, self.force, self.drag)
 
     @property
@@ -247,10 +257,10 @@ class EquationsOfMotion(Shown):
         )
 
     def rhs(self, t: float, y: Array) -> Array:
-        """Rate of change of the state y, as solvers call it.
+        """Return the rate of change of the state y at a time t, s, as solvers call it.
 
-        Raises `IntegrationError` where it is not finite, and `SceneError` for a motion with memory,
-        of which it is no part.
+        Raises `IntegrationError` if it is not finite, and `SceneError` for a motion with
+        hydrodynamic memory, which these rates do not contain.
         """
         self._refuse_memory()
         inputs = (each[0] for each in self._rhs_inputs(np.array([t]), y[None]))
@@ -261,6 +271,9 @@ class EquationsOfMotion(Shown):
         return rates
 
     def _refuse_memory(self) -> None:
+        """Raise `SceneError` for a motion with hydrodynamic memory, which the rates do
+        not contain.
+        """
         if self.remembers:
             raise SceneError(
                 "medium.inertia = 'memory': `rhs` and `jacobian` cannot follow the memory; "
@@ -268,9 +281,10 @@ class EquationsOfMotion(Shown):
             )
 
     def _rates(self, times: Array, states: Array) -> Array:
-        """Rates of change of `states`, (n, state), at `times` (n,) s, all at once.
+        """Return the rates of change of `states` (n, state) at `times` (n,), s.
 
-        The emitted function as Python: it holds arithmetic alone, which arrays have too.
+        The emitted function is called as Python: it contains only arithmetic, which works on
+        arrays.
         """
         inputs = [np.moveaxis(np.asarray(each), 0, -1) for each in self._rhs_inputs(times, states)]
         rates = np.empty((len(states), self._size))
@@ -278,7 +292,9 @@ class EquationsOfMotion(Shown):
         return rates
 
     def jacobian(self, t: float, y: Array) -> Array:
-        """d(rate i)/d(state j), as implicit solvers call it; raises as `rhs`."""
+        """Return d(rate i)/d(state j) at a time t, s, as implicit solvers call it;
+        raises as `rhs`.
+        """
         self._refuse_memory()
         derivative = np.empty((self._size, self._size))
         inputs = (each[0] for each in self._jacobian_inputs(np.array([t]), y[None]))
@@ -286,9 +302,10 @@ class EquationsOfMotion(Shown):
         return derivative
 
     def on_constraints(self, states: Array) -> Array:
-        """States (..., state) with e of length 1 (A.21) and, of e', e' orthogonal to it (A.22).
+        """Return states (..., state) with |e| = 1 (A.21) and, if they contain e', e.e' = 0 (A.22).
 
-        Takes the place of (A.26). It changes no orientation and no angular velocity.
+        This replaces the stabilising terms of (A.26). It changes no orientation and no angular
+        velocity.
         """
         if not self.rotates:
             return states
@@ -303,11 +320,12 @@ class EquationsOfMotion(Shown):
         return states
 
     def motion(self, times: Array, states: Array) -> Motion:
-        """Positions, velocities and orientations of `states` (n, state) at `times` (n,).
+        """Return the positions, velocities and orientations of `states` (n, state) at `times` (n,),
+        s.
 
-        Where the model has no velocities of its own, they are its rates of change; the
-        first-order model adds what its initial layer still contributes, so that its position
-        begins where the bead is released, and its velocity there to leading order.
+        If the model has no velocities in its state, they are the rates of change. The first-order
+        model adds what remains of its initial layer, so that its position begins where the bead is
+        released, and its velocity at the initial velocity to leading order.
         """
         states = self.on_constraints(states)
         # the slow models have no velocities in their state: they are its rates of change
@@ -331,9 +349,10 @@ class EquationsOfMotion(Shown):
         return Motion(position, velocity, orientation, angular_velocity)
 
     def released(self, piece: Piece) -> Piece:
-        """A piece of the motion with what the initial layer still adds to its positions.
+        """Return a piece of the motion whose positions include the remaining initial layer.
 
-        Of a model without one, or when it has passed: as it is.
+        For a model without an initial layer, or once it has decayed, the piece is returned
+        unchanged.
         """
         if not hasattr(self.module, "initial_layer"):
             return piece
@@ -341,12 +360,18 @@ class EquationsOfMotion(Shown):
         return piece if passed else _Released(piece, self)
 
     def _part(self, states: Array, name: str) -> Array:
+        """Return a copy of the columns of a block in states (n, state)."""
         return states[:, self.layout.at(name)].copy()
 
     def _inputs(
         self, names: tuple[str, ...]
     ) -> Callable[[Array, Array], list[Sequence[Array] | Array]]:
-        """What the emitted function takes between state and parameters, by times and states."""
+        """Return a function of times (n,) and states (n, state) that evaluates the inputs of
+        emitted functions.
+
+        names: names of the inputs between state and parameters, such as force and mobility; their
+        values are returned in this order, each with n entries.
+        """
         gradient = "force_gradient" in names
         # of a uniform drag: the same at every place
         everywhere = self.drag.mobilities(np.zeros((1, 3)), gradient=True)
@@ -382,10 +407,11 @@ class EquationsOfMotion(Shown):
         return evaluate
 
     def _curvatures(self, time: float, position: Array, force: Array) -> dict[str, Array]:
-        """Rates of the gradients along (F + W)/beta_v, by a central difference.
+        """Return the rates of change of force and moment gradients along (F + W)/beta_v, (3, 3)
+        each.
 
-        Only the Jacobian of the first-order model takes them, and an implicit solver needs that
-        no better than this.
+        They are central differences; only the Jacobian of the first-order model needs them, and
+        this accuracy is enough for an implicit solver. time: s. position: (3,) m. force: (3,) N.
         """
         velocity = (force + self.bead.weight) * self.problem.mobility[TRANSLATION]
         speed = float(np.linalg.norm(velocity))
@@ -402,7 +428,9 @@ class EquationsOfMotion(Shown):
         }
 
     def _released(self) -> dict[str, Array]:
-        """Blocks of the scene's start: q and v, or q, e, v and omega, as emitted functions do."""
+        """Return the blocks of the state at the release: q and v, or q, e, v and omega with
+        rotation.
+        """
         start = self.scene.start
         position, velocity = np.array(self.scene.start_position), np.array(start.velocity)
         if not self.rotates:
@@ -415,11 +443,15 @@ class EquationsOfMotion(Shown):
         }
 
     def _release_inputs(self) -> tuple[Array, ...]:
+        """Return the inputs of emitted functions of the release: its state, force and moment,
+        parameters.
+        """
         at = self.problem.field(np.array([self.scene.start_position]))
         fields = (at.force[0], at.moment[0]) if self.rotates else (at.force[0],)
         return (np.concatenate([*self._released().values()]), *fields, self.params)
 
     def _initial_state(self) -> Array:
+        """Return the state at the release, (state,), as the emitted module has it."""
         if hasattr(self.module, "matched_start"):
             start = np.empty(self._size)
             self.module.matched_start(*self._release_inputs(), start)
@@ -438,7 +470,10 @@ class EquationsOfMotion(Shown):
         orientation: Array | None,
         angular_velocity: Array | None,
     ) -> None:
-        """Add what the initial layer still contributes to the slow motion, in place."""
+        """Add the remaining initial layer to a slow motion, in place.
+
+        times: (n,) s. The other arguments are the quantities of `Motion`, (n, 3) or (n, 4).
+        """
         remains = np.empty(6 if orientation is None else 12)
         inputs = self._release_inputs()
         for i in np.flatnonzero(times < _LAYER * self._relaxation_times.max()):
@@ -453,6 +488,7 @@ class EquationsOfMotion(Shown):
                 angular_velocity[i] += turning[1]
 
     def _absolute_tolerance(self) -> Array:
+        """Return the absolute tolerance of each component of a state, (state,), in its unit."""
         simulation = self.scene.simulation
         position = simulation.position_tolerance
         if self.problem.walls:  # what touches must not sink in
@@ -470,7 +506,9 @@ class EquationsOfMotion(Shown):
 
 @dataclass(frozen=True)
 class _Released:
-    """See `EquationsOfMotion.released`."""
+    """Piece of a motion whose positions include the initial layer, see
+    `EquationsOfMotion.released`.
+    """
 
     piece: Piece
     equations: EquationsOfMotion
@@ -505,16 +543,21 @@ def bind(scene: Scene | Problem, begin: Begin | None = None) -> EquationsOfMotio
 
 
 def bind_translation(problem: Problem, model: str) -> EquationsOfMotion:
-    """The equations of motion of a model without the rotation, whether there is one or not."""
+    """Return the equations of motion of a model without rotation, whether the bead
+    rotates or not.
+    """
     return EquationsOfMotion(problem, module(f"{MODELS[model].modules}_translation"))
 
 
 def _bound_again(problem: Problem, name: str, begin: Begin | None) -> EquationsOfMotion:
+    """Return equations of motion from a problem and the name of the emitted module, after
+    unpickling.
+    """
     return EquationsOfMotion(problem, module(name), begin)
 
 
 def _parameter_values(problem: Problem, scaling_factor: float | None) -> dict[str, float]:
-    """Values by the names of the emitted parameters."""
+    """Return the values of the emitted modules' parameters by name, in SI units."""
     bead, mobility = problem.bead, problem.mobility
     return {
         "m": problem.effective_mass,

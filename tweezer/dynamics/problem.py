@@ -1,4 +1,4 @@
-"""A scene bound once: what pushes its bead, and what resists."""
+"""A scene with its forces and drag, bound once for every model and method."""
 
 from __future__ import annotations
 
@@ -79,22 +79,22 @@ class Problem:
 
     @property
     def beside_the_light(self) -> tuple[Force, ...]:
-        """Forces of walls, and a user's own."""
+        """Forces of walls and the user's own forces."""
         return *self.walls, *self.others
 
     @property
     def walls_apart(self) -> tuple[Force, ...]:
-        """Forces of walls on a bead that touches none."""
+        """Forces of walls without contact, for a bead that touches no wall."""
         return tuple(each for each in self.walls if not isinstance(each, Contact))
 
     @property
     def beside_the_light_apart(self) -> tuple[Force, ...]:
-        """Forces of walls, and a user's own, on a bead that touches no wall."""
+        """Forces of walls without contact, and the user's own forces."""
         return *self.walls_apart, *self.others
 
     @property
     def rotates(self) -> bool:
-        """Whether anything turns the bead: if not, no rotation is computed."""
+        """Whether anything rotates the bead: otherwise no rotation is computed."""
         return self.scene.rotates or self.force.oriented or self.drag.oriented
 
     @property
@@ -109,35 +109,42 @@ class Problem:
 
     @property
     def symmetric(self) -> bool:
-        """Whether all forces are the same all around the axis of the only beam."""
+        """Whether all forces are rotationally symmetric about the axis of the only beam."""
         return self.light.symmetric and not self.others
 
     @functools.cached_property
     def orientation(self) -> Array:
-        """(4,) Euler parameters at the start, of length 1."""
+        """Euler parameters at the start, (4,), of length 1."""
         e = np.array(self.scene.start.orientation)
         return e / np.linalg.norm(e)
 
     def _oriented(self, acting: Force | Drag, n: int) -> Array | None:
-        """Orientations (n, 4) at the start, of what depends on them."""
+        """Return the orientation at the start n times, (n, 4), if `acting` depends on it; else
+        None.
+        """
         return np.tile(self.orientation, (n, 1)) if acting.oriented else None
 
     def field(
         self, positions: Array, *, gradient: bool = False, time: float | Array = 0.0
     ) -> Wrench:
-        """All forces but drag, weight and noise on a bead in its orientation at the start.
+        """Return all forces but drag, weight and noise on a bead with its orientation at the start.
 
-        positions: (n, 3) m. time: s, one or (n,).
+        positions: (n, 3) m. time: s, one or (n,). gradient: whether the force gradients are
+        computed.
         """
         turned = self._oriented(self.force, len(positions))
         return self.force.field(positions, gradient=gradient, time=time, orientations=turned)
 
     def net_force(self, positions: Array) -> Array:
-        """All forces but drag and noise at `positions` (n, 3) m at the time 0, (n, 3) N."""
+        """Return the sum of all forces but drag and noise at `positions` (n, 3), m, at time 0: (n,
+        3) N.
+        """
         return self.field(positions).force + np.array(self.bead.weight)
 
     def net_force_apart(self, positions: Array) -> Array:
-        """The same of a bead that touches no wall: without the force of contact."""
+        """Return the net force without contact with a wall at `positions` (n, 3), m, at time 0: (n,
+        3) N.
+        """
         turned = self._oriented(self.force, len(positions))
         every = (self.light, *self.beside_the_light_apart)
         fields = (each.field(positions, orientations=turned) for each in every)
@@ -145,9 +152,9 @@ class Problem:
 
     @functools.cached_property
     def mobility(self) -> Array:
-        """Of translation along and rotation about N1, N2, N3 at the start, (6,) s/kg, 1/(N m s).
+        """Mobilities along N1, N2, N3 (s/kg) and about them (1/(N m s)) at the start, (6,).
 
-        Raises `SceneError` if the drag is not one that takes energy from any motion.
+        Raises `SceneError` if the drag does not dissipate energy in every motion.
         """
         value = self._resisted(np.array([self.scene.start_position]))
         parallel, _, turn, _, roll = value[0].tolist()
@@ -158,19 +165,23 @@ class Problem:
         return by_axis(value)[0]
 
     def mobilities(self, positions: Array, time: float | Array = 0.0) -> Array:
-        """The same at `positions` (n, 3) m and a time, s, or (n,), (n, 6)."""
+        """Return the mobilities along and about N1, N2, N3 at `positions` (n, 3), m, (n, 6).
+
+        time: s, one or (n,). Units are s/kg and 1/(N m s).
+        """
         return by_axis(self._resisted(positions, time))
 
     def _resisted(self, positions: Array, time: float | Array = 0.0) -> Array:
-        """The five mobilities in the orientation at the start, (n, 5)."""
+        """Return the five mobilities of `Mobility` with the orientation at the start, (n, 5)."""
         turned = self._oriented(self.drag, len(positions))
         return self.drag.mobilities(positions, time=time, orientations=turned).value
 
     @property
     def effective_mass(self) -> float:
-        """M, kg: the mass that a sudden force meets; half of the displaced fluid's may be in it.
+        """Mass that a sudden force accelerates, kg: the bead's, and the added mass if fluid inertia
+        is included.
 
-        Of the scaled model M/a2 is that mass: it divides the bead's own alone.
+        In the scaled model the mass is this value over a2, which scales the bead's own mass only.
         """
         if self.scene.medium.inertia in (None, "none"):
             return self.bead.mass
@@ -178,16 +189,16 @@ class Problem:
 
     @property
     def _scale(self) -> float:
-        """a2 of the scaled model; 1 of others."""
+        """Factor a2 by which the scaled model divides the bead's inertia; 1 in other models."""
         simulation = self.scene.simulation
         return (simulation.model == "scaled" and simulation.scaling_factor) or 1.0
 
     @functools.cached_property
     def modes(self) -> Modes:
-        """How the velocity of translation follows the force, in a model with inertia.
+        """Modes of the velocity of translation, in a model with inertia and a uniform drag.
 
-        For a drag that is the same everywhere. A scene that leaves the fluid's inertia open has
-        none here. Raises `SceneError` for a number of poles that there is no table of.
+        A scene that leaves fluid inertia open has none here. Raises `SceneError` for a number of
+        poles without a table.
         """
         medium, drag = self.scene.medium, 1 / self.mobility[0]
         if medium.inertia == "memory":
@@ -221,19 +232,22 @@ class Problem:
 
     @property
     def relaxation_time(self) -> float:
-        """m/beta_v at the start, s: the epsilon of (4.6). The longest, if it has a direction."""
+        """Relaxation time m/beta_v at the start, s: epsilon of (4.6). The longest, if it depends on
+        the direction.
+        """
         return self.bead.mass * float(self.mobility[TRANSLATION].max())
 
     def foci(self, time: float = 0.0) -> Array:
-        """Where the beams' foci are at a time, s, (beams, 3) m."""
+        """Return the positions of the beams' foci at a time, s, (beams, 3) m."""
         if not isinstance(self.light, Beams):
             return np.zeros((1, 3))
         return np.array([each.place.at(time) for each in self.light.forces])
 
     def equilibria(self, net_force: NetForce) -> tuple[Equilibrium, ...]:
-        """Places where a net force vanishes.
+        """Return the positions where a net force vanishes.
 
-        Of one beam on its axis; of several, and with other forces, near the axis of each.
+        For one beam they are on its axis; for several, or with other forces, near the axis of each
+        beam.
         """
         search = self.search
         about = self.scene.body.size, search, self.field, net_force, self.spiral_rate
@@ -260,10 +274,9 @@ class Problem:
         return self.about_axis and self.symmetric and self.scene.lit
 
     def rings(self, net_force: NetForce, *, inertia: bool = True) -> tuple[Ring, ...]:
-        """Rings around the axis of the only beam on which it holds a bead: see `rings`.
+        """Return the rings around the axis of the only beam on which it traps a bead: see `rings`.
 
-        None where forces are not the same all around that axis. inertia: whether the bead has its
-        mass.
+        Empty if the forces are not symmetric about this axis. inertia: whether the bead has mass.
         """
         if not self.round_axis:
             return ()
@@ -273,7 +286,7 @@ class Problem:
         return tuple(each for each in rings(*about) if self._in_the_fluid(each.height))
 
     def off_axis(self, net_force: NetForce) -> tuple[Equilibrium, ...]:
-        """Stable equilibria off the axis of the only beam: see `off_axis`."""
+        """Return the stable equilibria off the axis of the only beam: see `off_axis`."""
         assert isinstance(self.light, LightForce)
         places = off_axis(self.scene.body.size, self.light.box, self.force, net_force)
         every = (
@@ -296,7 +309,7 @@ class Problem:
         return self.light.search._replace(besides=self._beside_walls(), farthest=farthest)
 
     def _beside_walls(self) -> tuple[float, ...]:
-        """Places on the axis at ever smaller gaps from the walls, z, m from the origin."""
+        """Return positions z on the axis at a series of gaps from the walls, m from the origin."""
         if self.scene.wall is None:
             return ()
         body, planes = self.scene.body, self.scene.wall.planes
@@ -306,11 +319,14 @@ class Problem:
         return tuple(every[np.abs(every) <= self.light.search.reach].tolist())
 
     def _in_the_fluid(self, z: float) -> bool:
-        """Whether a bead there is in no wall."""
+        """Return whether a bead with its centre at z, m, is outside every wall."""
         return self.scene.wall is None or bool(self.scene.room(z) > 0)
 
     def places_about(self, time: float = 0.0) -> Array:
-        """Places about the foci at a time, s, and the start last, (n, 3) m."""
+        """Return random positions about the foci at a time, s, followed by the start, (n, 3) m.
+
+        They are the same in every call; positions inside a wall are left out.
+        """
         rng = np.random.default_rng(7)
         directions = rng.normal(size=(_PLACES, 3))
         directions /= np.linalg.norm(directions, axis=1, keepdims=True)
@@ -320,7 +336,9 @@ class Problem:
         return places[[self._in_the_fluid(z) for z in places[:, 2]]]
 
     def times_looked_at(self) -> list[float]:
-        """Times at which a force that changes in time is evaluated, s; 0 for one that does not."""
+        """Return times at which a force that changes in time is evaluated, s; only 0 for a steady
+        force.
+        """
         if self.force.steady:
             return [0.0]
         duration = self.scene.simulation.duration
@@ -330,9 +348,9 @@ class Problem:
 
     @functools.cached_property
     def fastest(self) -> float:
-        """The largest speed at places about the foci and at the start, m/s, or nearly so.
+        """Approximately the largest slow speed at positions about the foci and at the start, m/s.
 
-        Of a bead that nothing moves: its velocity at the start, or 1 m/s.
+        It is at least the initial speed, and 1 m/s for a bead that nothing moves.
         """
         found = [float(np.linalg.norm(self.scene.start.velocity))]
         for time in self.times_looked_at():
@@ -343,22 +361,25 @@ class Problem:
 
     @functools.cached_property
     def equilibrium(self) -> Equilibrium | None:
-        """The stable one nearest the focus at the time 0; None if there is none."""
+        """Stable equilibrium nearest the focus at time 0; None if there is none."""
         return nearest_stable(self.equilibria(self.net_force))
 
     def changed(self, **simulation: Any) -> Problem:
-        """The same with other keys of the scene's `simulation`."""
+        """Return this problem with other keys of the scene's `simulation`."""
         return dataclasses.replace(self, scene=self.scene.replace(simulation=simulation))
 
     def remembering(self, poles: int) -> Problem:
-        """The same in a fluid with memory; a bead is lost where it comes too near to a wall."""
+        """Return this problem in a fluid with memory, by a number of poles.
+
+        The distance of loss is reduced so that a bead is lost where it comes too near a wall.
+        """
         sections: dict[str, Any] = {"medium": {"inertia": "memory", "poles": poles}}
         if self.scene.free_of_walls < self.scene.simulation.loss_distance:
             sections["simulation"] = {"loss_distance": self.scene.free_of_walls}
         return self.decided(**sections)
 
     def decided(self, **sections: Any) -> Problem:
-        """The same with what the scene left open, such as the model, by section."""
+        """Return this problem with values, by section, for keys that the scene left open."""
         return dataclasses.replace(self, scene=self.scene.decided(**sections))
 
 
@@ -380,9 +401,9 @@ def bound_once(scene: SceneLike | Problem, others: Sequence[Force | str] = ()) -
 
 
 def _forces_of_walls(scene: Scene, bead: BeadProperties) -> tuple[Force, ...]:
-    """Forces of the walls of a scene: what the scene says, and contact.
+    """Return the forces of a scene's walls: those that the scene sets, and contact.
 
-    Thermal motion needs no force to stay on its side (`tweezer.dynamics.brownian`).
+    Thermal motion needs no force to keep a bead outside walls (`tweezer.dynamics.brownian`).
     """
     found: list[Force] = []
     body, said = scene.body, scene.forces.dlvo
@@ -399,6 +420,6 @@ def _forces_of_walls(scene: Scene, bead: BeadProperties) -> tuple[Force, ...]:
 
 
 def _momentum_of_light(scene: Scene) -> float:
-    """n_m P/c of all beams, N: about twice what they push a bead by at most."""
+    """Return the momentum flux n_m P/c of all beams, N: about twice the largest force on a bead."""
     powers = (beam.power_through_pupil or beam.power or 0.0 for beam in scene.beams)
     return scene.medium.refractive_index * sum(powers) / speed_of_light if scene.lit else 0.0

@@ -52,32 +52,39 @@ _STEPS_AT_ONCE = 2**17
 
 @dataclass(frozen=True)
 class Walk:
-    """Brownian motion of a scene's bead, bound: fixed steps, numbers drawn by counter."""
+    """Brownian motion of a scene's bead with fixed steps, ready to run.
+
+    Random numbers are functions of the seed, the trajectory and the step.
+    """
 
     problem: Problem
     """with its model and method decided"""
     seed: int
     why: str
-    """what chose model, method and step"""
+    """reasons for the choice of model, method and step"""
     step: float
-    """s"""
+    """length of a step, s"""
     per_sample: int
-    """steps from one sample to the next"""
+    """number of steps between samples"""
     times: Array
-    """(samples,) s"""
+    """(samples,) times of the samples, s"""
     layout: Layout
-    """of a state: the quantities of a sample, the angular velocity about the inertial axes; what a
-    camera gathers; the hidden variables of the fluid's memory; when a bead was lost, s"""
+    """layout of a state: the quantities of a sample, with the angular velocity about the inertial
+    axes; integrals of a camera's exposure; hidden variables of the hydrodynamic memory; time of
+    loss, s
+    """
     plan: Plan
     weights: Weights
     edge: Boundary
-    """where a bead is lost"""
+    """boundary at which a bead is lost"""
     exposure: Exposure | None = None
-    """of the scene's camera"""
+    """exposure of the scene's camera; None without a camera"""
     late_losses: float = 0.0
-    """relative lateness of times of loss by the step, about, for each k_B T of the well's depth"""
+    """approximate relative delay of the times of loss due to the step, for each k_B T
+    of well depth
+    """
     variance_bias: float | None = None
-    """relative error of the variance of the position by the step, about; None where it is small"""
+    """approximate relative error of the position's variance due to the step; None if it is small"""
 
     @functools.cached_property
     def shown(self) -> Layout:
@@ -105,7 +112,7 @@ class Walk:
         )
 
     def warn_of_bias(self) -> None:
-        """Warn of a step by which the variance is off by more than a hundredth."""
+        """Warn if the step changes the variance of the position by more than one percent."""
         bias = self.variance_bias or 0.0
         if abs(bias) > _WARNED:
             size, part = "large", _WARNED / abs(bias)
@@ -119,12 +126,12 @@ class Walk:
 
     @property
     def scene(self) -> Scene:
-        """With its model and method decided."""
+        """Scene, with its model and method decided."""
         return self.problem.scene
 
     @property
     def equilibrium(self) -> Equilibrium | None:
-        """The stable one nearest the focus."""
+        """Stable equilibrium nearest the focus; None if there is none."""
         return self.problem.equilibrium
 
     def start(self, trajectories: Integers) -> Array:
@@ -179,9 +186,12 @@ class Walk:
         return np.ascontiguousarray(np.hstack([parts[name] for name in self.layout.blocks]))
 
     def _memory(self, drawn: Array, v: Array, *, thermal: bool) -> tuple[Array, Array]:
-        """Places from where beads start, (n, 3), and z (3, k, n): a fluid of the temperature.
+        """Return initial displacements (n, 3), m, and hidden variables (3, k, n) at the fluid's
+        temperature.
 
-        drawn: the numbers (n, 9 + hidden). v: the velocity (n, 3), unless it is thermal.
+        drawn: (n, 9 + hidden) normal random numbers, a row for each bead. v: (n, 3) initial
+        velocities, m/s, which the hidden variables reproduce; ignored if `thermal`, when velocities
+        are drawn.
         """
         of_step, n = self.weights.memory, len(drawn)
         place, hidden = drawn[:, _DRAWN.at("position")], drawn[:, _DRAWN.width :]
@@ -250,15 +260,17 @@ class Walk:
         return states[:, : self.shown.width]
 
     def lost(self, states: Array) -> Array:
-        """When the beads of states were lost, (n,) s: infinite for those that are not."""
+        """Return the times at which the beads of states were lost, (n,) s; infinite for
+        the others.
+        """
         return states[:, self.layout.first("lost_time")]
 
     def advance(self, states: Array, trajectories: Integers, sample: int, out: Array) -> None:
-        """Take `states`, at times[sample], on to times[sample + out.shape[1]], in place.
+        """Advance `states` from times[sample] to times[sample + out.shape[1]], in place.
 
-        out: (n, s, len(columns)), filled with the samples after `sample`: NaN once a bead is lost.
-        Other threads run meanwhile. The same bit for bit however trajectories are put together,
-        and times cut. Raises `IntegrationError` if a place is not finite.
+        out: (n, s, len(columns)), filled with the samples after `sample`; NaN once a bead is lost.
+        Other threads can run meanwhile. Results do not depend, to the last bit, on how trajectories
+        are grouped and times divided. Raises `IntegrationError` if a position is not finite.
         """
         self._advance(states, trajectories, sample, out, self.plan)
 
@@ -286,7 +298,8 @@ class Walk:
         return self.exposure.closed(sample * self.per_sample) if self.exposure else 0
 
     def filmed(self, states: Array, trajectories: Integers, sample: int, out: Array) -> Array:
-        """As `advance`, and what the camera sees in the frames that end, (n, frames, axes) m.
+        """Advance as `advance`, and return what the camera records in the frames that end, (n,
+        frames, axes) m.
 
         NaN once a bead is lost; no frames without a camera.
         """
@@ -335,7 +348,9 @@ class Walk:
             )
 
     def motion(self, samples: Array) -> Motion:
-        """Samples (n, len(columns)) as the quantities they are; angular velocity in the body."""
+        """Return samples (n, len(columns)) as named quantities, with the angular velocity in the
+        body frame.
+        """
         parts = {name: samples[:, self.shown.at(name)] for name in self.shown.blocks}
         if "angular_velocity" in parts:
             turned = rotation_matrices(parts["orientation"])
@@ -420,7 +435,7 @@ def _taken_exactly(problem: Problem, linear: Linearised) -> Linear:
 def _plan(
     problem: Problem, linear: Linearised, scheme: Scheme, seed: int, step: float, per_sample: int
 ) -> Plan:
-    """Return how beads walk."""
+    """Return the step, drag and noise of the beads."""
     dims, walls = len(linear.tau), problem.drag.walls
     tau = linear.tau if linear.inertial else np.full(dims, problem.relaxation_time)
     load = np.zeros(dims)
@@ -435,7 +450,7 @@ def _plan(
 
 
 def _boundary(problem: Problem, linear: Linearised, step: float) -> Boundary:
-    """Return where a bead is lost."""
+    """Return the boundary at which a bead is lost, and the longest displacement in a step."""
     scene, modes = problem.scene, linear.modes
     lens = -math.inf
     if scene.lens.focal_length is not None:
@@ -467,7 +482,9 @@ def _exposure(problem: Problem, linear: Linearised, step: float) -> Exposure | N
 
 
 def _loses_energy(problem: Problem, linear: Linearised) -> bool:
-    """Return whether a bead swings so often that its steps may lose energy to speak of."""
+    """Return whether a bead oscillates so many times that the steps may remove
+    noticeable energy.
+    """
     if not linear.inertial or linear.towards is not None:
         return False
     swings = math.sqrt(float(linear.tau[0] * linear.kappa[TRANSLATION].max()))
@@ -475,7 +492,10 @@ def _loses_energy(problem: Problem, linear: Linearised) -> bool:
 
 
 def _summed(matrices: Array, columns: Array) -> Array:
-    """Products of matrices (k, i, j) and columns (k, j, n): the same bits for whatever n."""
+    """Return products (k, i, n) of matrices (k, i, j) and columns (k, j, n).
+
+    The sum is written out, because the rounding of a matrix product could depend on n.
+    """
     made = np.zeros((*matrices.shape[:2], columns.shape[2]))
     for j in range(columns.shape[1]):
         made += matrices[:, :, j, None] * columns[:, None, j]
@@ -483,7 +503,10 @@ def _summed(matrices: Array, columns: Array) -> Array:
 
 
 def rotation_matrices(e: Array) -> Array:
-    """R (A.2) of orientations (n, 4) of length 1, (n, 3, 3): body to inertial axes."""
+    """Return the rotation matrices R (A.2), from body to inertial axes, (n, 3, 3).
+
+    e: (n, 4) Euler parameters of length 1.
+    """
     from scipy.spatial.transform import Rotation
 
     return Rotation.from_quat(e, scalar_first=True).as_matrix()
