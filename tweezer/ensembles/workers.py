@@ -140,6 +140,7 @@ class _Output:
     """Output of a block: chunks of arrays with their checksums, and checkpoints."""
 
     job: Job
+    """description of the ensemble"""
     index: int
     """number of the block"""
     bound: Walk

@@ -74,7 +74,9 @@ class UserForce(Force):
     """
 
     function: Kernel
+    """function made by the decorator `tweezer.forces.kernel`"""
     entries: tuple[QuantitiesLike, ...] = ()
+    """numbers and arrays of up to three axes that the function reads"""
     gradient: bool = False
     """whether the function adds gradients where `wrench.force_gradient` is not empty; if not, they
     are central differences"""

@@ -41,7 +41,9 @@ class Varied(NamedTuple):
     """A key of a scene that a sweep varies, and its values."""
 
     key: str
+    """section and name, as in `bead.diameter`"""
     values: tuple[Value, ...]
+    """numbers in SI units, or texts"""
     unit: str
     """SI unit of the values; "" for a key that is not a quantity with a unit"""
     about: str
@@ -67,6 +69,7 @@ class Cases:
     """The cases of a sweep: every combination of the entries of its axes."""
 
     axes: tuple[Axis, ...]
+    """dimensions of the result, of which all entries are combined"""
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -35,8 +35,9 @@ class Tiles(NamedTuple):
     centres: Array
     """(3, tile) mean directions, unit vectors"""
     spread_cos: Array
+    """(tile,) cosine of the largest angle w between a ray and its tile's mean direction"""
     spread_sin: Array
-    """(tile,) cosine and sine of the largest angle w between a ray and its tile's mean direction"""
+    """(tile,) sine of that angle"""
 
 
 def tiles(directions: Array, strengths: Array) -> Tiles:

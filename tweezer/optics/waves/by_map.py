@@ -40,6 +40,7 @@ class WavesByMap(Mapped):
     light: Waves
     """plane waves behind the lens, and the sphere"""
     outside: WavesByQuadrature
+    """force outside the range of the map"""
     tolerance: float
     """of the map, as a part of the largest force"""
 

@@ -56,6 +56,7 @@ class State:
     weight: float
     """share of the power"""
     parts: tuple[Part, ...]
+    """its parts of one helicity and one angular momentum, whose amplitudes add up"""
     handedness: float = 1.0
     """-1 for the mirror image of these parts, y -> -y; 0 for equal shares of both"""
 
@@ -132,6 +133,7 @@ class Focus:
     cone: Cone
     """in front of the face"""
     face: Face | None = None
+    """plane face between the lens and the focus; None without one"""
 
     @property
     def half_angle(self) -> float:
