@@ -1,4 +1,4 @@
-"""Calibration of a trap from a recording of thermal motion: stiffness, potential, escape times."""
+"""Calibration of a trap from a recording of thermal motion: stiffness, drag and sensitivity."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from tweezer.values.printed import printed, signal_unit
 
 #: Physical findings that samples which were not measured also cause
 _CAUSED = {"noise", "blur", "exposure", "spectrum", "drag", "halves", "line", "drift"}
-#: Part of the variance of displacements that rounding may have
+#: Largest fraction of the variance of displacements that rounding may cause without a finding
 _ROUNDED = 0.05
 #: Smallest standard deviation of displacements at which rounding errors are independent (with a
 #: correlation of 1 %), in steps of the digits
@@ -27,9 +27,10 @@ _INDEPENDENT = 0.5
 _INCLUDED = 0.8
 #: Largest number of beads whose rows may be in turn
 _MOST_IN_TURN = 8
-#: Number of samples in which that is looked for
+#: Number of samples in which rows of beads in turn are searched
 _ENOUGH = 20_000
-#: Largest mean squared displacement over that many rows, over that of one row, of beads in turn
+#: For rows of n beads in turn, the largest ratio of the mean squared displacement over n rows to
+#: the one over a single row
 _IN_TURN = 0.5
 #: Largest correlation of displacements of different beads; for one that oscillates in so many rows
 #: it is a third or more

@@ -33,16 +33,17 @@ _LEAST, _BAND = 8, 1.1
 _FREEDOM = 40
 #: Smallest amplitude of a response, in standard uncertainties.
 _SEEN = 5.0
-#: Predicted size above which, and measured one below which, a band is not followed, in standard
-#: uncertainties. A bead by few bands may predict several times too much.
+#: A band is noise of the sensor if the predicted response exceeds the first number and the measured
+#: response is below the second one, in standard uncertainties. A bead that was fitted to few bands
+#: may predict several times too much.
 _FORETOLD, _ABSENT = 20.0, 3.0
 #: Power of the quietest frequencies over the mean power of white noise.
 _QUIET = 0.565
-#: Logarithm of the chance that any ordinate of white noise counts as motion, with its sign changed.
+#: -ln of the probability that any ordinate of white noise counts as motion.
 _CERTAIN = 5.0
 #: Number of ordinates over which the quietest frequencies are looked for.
 _AROUND = 101
-#: Step that is a jump: of the extent of a stage, and over the steps beside it.
+#: Smallest length of a jump of a stage, over the extent of its motion and over the steps beside it.
 _JUMP, _ALONE = 0.05, 3.0
 #: Highest frequency at which a stage that jumps between samples is known, of the rate.
 _OF_JUMPS = 1 / 8

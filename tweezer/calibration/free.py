@@ -1,10 +1,12 @@
 """Diffusion of a bead that is not trapped, from blurred and noisy positions, and its consequences.
 
-Positions at even times of a bead with diffusion D and drift v, each the mean over an exposure W and
-with a localisation error of variance sigma^2. Successive steps, less v dt, have the variance
-2 D dt + 2 s and the covariance -s with their neighbours, s = sigma^2 - W D/3, and no other
-(C. L. Vestergaard, P. C. Blainey and H. Flyvbjerg, Phys. Rev. E 89, 022726 (2014)): D is told
-whatever blur and error are. Sines diagonalise that covariance, so that the likelihood is exact.
+A bead with the diffusion coefficient D and the drift velocity v is recorded at even times, dt
+apart. Each position is the mean over an exposure W and has a localisation error of variance
+sigma^2. Successive steps, less v dt, have the variance 2 D dt + 2 s and the covariance -s with
+their neighbours, where s = sigma^2 - W D/3, and none with other steps
+(C. L. Vestergaard, P. C. Blainey and H. Flyvbjerg, Phys. Rev. E 89, 022726 (2014)). So D is
+determined for any exposure and error. A sine transform diagonalises the covariance of the steps, so
+that the likelihood is exact.
 """
 
 from __future__ import annotations

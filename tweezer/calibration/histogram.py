@@ -1,4 +1,4 @@
-"""The potential along a line, from a histogram of positions (Boltzmann)."""
+"""Potential energy along a line, from a histogram of positions (Boltzmann)."""
 
 from __future__ import annotations
 

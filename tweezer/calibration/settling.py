@@ -1,4 +1,4 @@
-"""Whether a recording begins before the bead has settled in its trap."""
+"""Test whether a recording begins before the bead has settled in its trap."""
 
 from __future__ import annotations
 

@@ -57,6 +57,8 @@ class Steps:
         self.count, self.step = len(every), step
         self.square = square or float(np.var(every))
         tracks = tracks or [0] * len(pieces)
+        # sine components of the steps and of a steady drift, with their angles phi and track
+        # numbers
         rows = []
         for piece, track in zip(pieces, tracks, strict=True):
             n = len(piece)
@@ -72,6 +74,9 @@ class Steps:
         self.track = of[order].astype(int)
         self.ordinates, self.ones = ordinate[order] / math.sqrt(self.square), ones[order]
         self.share = (1 + np.cos(angle[order])) / 2  # of A in the power; that of B is 1 - share
+        # Sums over blocks of neighbouring frequencies, in which the power is nearly constant:
+        # number of ordinates, their share, their squares, and by track the products with the drift
+        # and its squares
         n = len(order)
         starts = np.arange(n)
         if n > 2 * _BLOCKS:

@@ -1,4 +1,4 @@
-"""Where a wall is, by the drag of a bead at several positions of the focus."""
+"""Position of a wall, from the drag of a bead at several positions of the focus."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ from tweezer.values.printed import in_unit
 from tweezer.values.shown import Card, Row, Table
 from tweezer.values.units import QuantitiesLike, QuantityLike
 
-#: Smallest gaps, in radii, and focal shifts that a fit is tried from
+#: First guesses of the smallest gap between bead and wall, in radii, and of the focal shift
 _GAPS, _SHIFTS = np.geomspace(1e-2, 30.0, 15), (0.7, 0.85, 1.0)
-#: Smallest gap of a fit, and largest, in radii
+#: Range of the smallest gap in a fit, in radii
 _GAP_ENDS = 1e-4, 1e3
-#: Largest uncertainty of the wall's place that counts as determined, in the smallest gap
+#: Largest uncertainty of a determined height, over the smallest gap between bead and wall
 _UNCERTAIN = 1.0
 #: Largest relative uncertainty of a shift that is determined
 _UNSURE_SHIFT = 0.5
-#: Smallest and largest shift looked for
+#: Range of the focal shift in a fit
 _SHIFT_ENDS = 0.05, 20.0
-#: Half the difference of unknowns for a slope
+#: Half the difference of the unknowns, which are logarithms, over which slopes are computed
 _DIFFERENCE = 1e-5
 
 

@@ -1,7 +1,7 @@
-"""The coordinate that a camera does not see: where along the light a bead started.
+"""Initial position of a bead along the light, the coordinate that a camera does not record.
 
-The motion in the plane depends on where along the light the bead is, for the force does; so a track
-(t, x, y) of a bead that falls into the trap tells where it started: the thesis's aim.
+The motion in the plane depends on the position along the light, because the force does. So a track
+(t, x, y) of a bead that moves into the trap determines its initial z, which is the thesis's aim.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The harmonic trap that is closest to a real trap in thermal motion."""
+"""Harmonic trap that is closest to a real trap in thermal motion."""
 
 from __future__ import annotations
 

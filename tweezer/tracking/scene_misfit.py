@@ -1,4 +1,4 @@
-"""How badly scenes fit recordings: -2 log(likelihood) over the free keys of a scene."""
+"""Misfit of a scene to recordings: -2 log(likelihood) as a function of the scene's free keys."""
 
 from __future__ import annotations
 

@@ -22,9 +22,9 @@ Field = Callable[[Array, Array], tuple[Array, Array, Array, Array]]
 #: Part of a grid, by the numbers of its heights and of its distances from the axis
 Slices = tuple[slice, slice]
 
-#: Smallest part of the radius, or of an edge, that counts
+#: Smallest fraction of the radius, or of an edge, that is distinguished from zero
 _SAME = 1e-6
-#: Growth of the distance of nodes with the distance from where they are closest
+#: Growth of the distance of nodes per distance from the point where they are closest
 _GROWTH = 0.08
 #: Factor of that growth where nodes are closer
 _FINER = 0.6

@@ -1,4 +1,4 @@
-"""How long a trap holds a bead against thermal motion."""
+"""Mean time for which a trap holds a bead against thermal motion."""
 
 from __future__ import annotations
 
