@@ -553,7 +553,10 @@ def _source(of: Given, name: str) -> Source:
 
 
 def _about(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Keys of the scene as it was given, and attributes that say how it was computed."""
+    """Return keys of the scene as it was given, and attributes that say how it was computed.
+
+    attributes: of a dataset.
+    """
     scene = json.loads(attributes.get("scene_as_given", attributes["scene"]))
     made = {name: plain(attributes[name]) for name in _ATTRIBUTES if name in attributes}
     return _keys(scene) | made
@@ -815,7 +818,10 @@ def _of_result(
 
 
 def _numbers_of(measured: Measured) -> Numbers:
-    """Return the numbers of a measured quantity; a vector with one error stays a vector."""
+    """Return the numbers of a measured quantity with their errors and places.
+
+    A vector with a single error stays a vector, whose distance to another one is compared.
+    """
     quantity, values, errors, _ = measured
     where = {"": _nowhere, "axis": _along, "direction": _outwards}[quantity.along]
     assert errors is not None
@@ -859,9 +865,11 @@ def _of_calibration(name: str, found: Calibration, _: dict[str, Any]) -> Source:
 
 
 def _stiffnesses(one: Source, other: Source) -> Source:
-    """Return a trap or a calibration as the stiffnesses that both have.
+    """Return a trap or a calibration, `one`, in a form in which both can be compared.
 
-    The calibration has several estimates along each axis, and the trap has one stiffness.
+    The trap has one stiffness for each axis, the calibration several estimates. The trap's
+    stiffness is listed once for each estimate, under the name of the estimate. other: the other one
+    of both.
     """
     nowhere = np.empty(0, np.int64)
     found, estimates = one.found(nowhere), other.found(nowhere).numbers

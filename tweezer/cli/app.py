@@ -129,10 +129,10 @@ def scene_with(scene: str | Scene, settings: dict[str, str]) -> Scene:
 
 
 def settings_of(changes: list[str], **simulation: str | None) -> dict[str, str]:
-    """Return the values by key from `--set` and from options that stand for a key of the
-    simulation.
+    """Return the values by dotted key from `--set` and from options for keys of the simulation.
 
-    Raises `SceneError` for a key that is given twice.
+    changes: texts KEY=VALUE. simulation: value by key, None for options that are not given. Raises
+    `SceneError` for a key that is given twice.
     """
     settings: dict[str, str] = {}
     for change in changes:

@@ -59,7 +59,7 @@ class _NearlyError(SceneError):
 
 
 class _Experiment(NamedTuple):
-    """Answers to the questions about an experiment, in SI units."""
+    """Answers to the questions about an experiment, in SI units: lengths in m, power in W."""
 
     material: Material
     diameter: float

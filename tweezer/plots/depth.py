@@ -57,7 +57,10 @@ def depth_figure(track: Track, found: DepthFit) -> Figure:
 
 
 def _draw_profile(axes: Axes, found: DepthFit) -> None:
-    """Draw the misfit over the height of the start, with confidence intervals and minima."""
+    """Draw the misfit, -2 log(likelihood), over the height of the start.
+
+    Shaded are the confidence intervals; points are the minima.
+    """
     z, misfit = np.array(found.profile).T
     axes.plot(z * per("um"), misfit, color=style.PATH)
     axes.axhline(LEVEL, color=style.MUTED, lw=0.8, ls="--")

@@ -19,7 +19,10 @@ if TYPE_CHECKING:
 
 @style.styled
 def fit_figure(found: SceneFit) -> Figure:
-    """Draw, over each key, the misfit minimised over the other keys; shaded: 95 % confidence."""
+    """Draw, over each key, the misfit, -2 log(likelihood), minimised over the other keys.
+
+    Shaded are the 95 % confidence intervals.
+    """
     columns = min(len(found.keys), 3)
     rows = math.ceil(len(found.keys) / columns)
     figure = style.new(style.COLUMN if columns == 1 else style.PAGE, 0.4 + 2.3 * rows)

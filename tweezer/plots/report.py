@@ -78,7 +78,10 @@ class Page:
 
 
 def page_of(recording: Recording, calibration: Calibration) -> Page:
-    """Return the words of a report on the calibration of a recording."""
+    """Return the words of a report on the calibration of a recording.
+
+    Findings that several axes share are listed once, with the names of the axes.
+    """
     free = calibration.free
     trapped = calibration.trapped
     verdicts = [_verdict(axis) for axis in trapped]

@@ -166,7 +166,7 @@ def plain(value: Any) -> Any:
 
 
 def of_validation(error: ValidationError) -> str:
-    """Return the first error of a validation in one line."""
+    """Return the first error of a validation by Pydantic: where it is, and the reason."""
     first = error.errors(include_url=False, include_input=False)[0]
     where = ".".join(map(str, first["loc"])) or "scene"
     message = " ".join(first["msg"].split())

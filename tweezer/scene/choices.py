@@ -20,7 +20,9 @@ SWEPT = ("trap", "run", "ensemble", "calibrate")
 
 @dataclass(frozen=True)
 class Model:
-    """A model of motion: a family of emitted modules."""
+    """A model of motion: equations in modules that `derivation` has generated, one for each
+    variant.
+    """
 
     name: str
     about: str
@@ -89,7 +91,7 @@ class Inertia:
 
 @dataclass(frozen=True)
 class Theory:
-    """A theory of light."""
+    """A theory of light, ray optics or wave optics, and the function that makes its force map."""
 
     name: str
     about: str

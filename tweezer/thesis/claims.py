@@ -60,9 +60,7 @@ class Claim:
 
     @property
     def verdict_by_waves(self) -> str:
-        """Verdict in words with light as waves, or the reason why there is none; "" if not
-        computed.
-        """
+        """Verdict with light as waves in words, or the reason for none; "" if not computed."""
         return self.by_waves.verdict if isinstance(self.by_waves, Claim) else self.by_waves or ""
 
 

@@ -684,7 +684,7 @@ def _light_turns(evidence: Evidence) -> Judgement:
     def turned(run: xr.Dataset) -> float:
         """Return the largest angle between the orientation and that at release, rad."""
         e0 = run["orientation"].values @ run["orientation"].values[0]
-        return float(2 * np.arccos(np.minimum(np.abs(e0), 1.0)).max())
+        return float(2 * np.arccos(np.minimum(np.abs(e0), 1.0)).max())  # e0 = cos(angle/2)
 
     angle = evidence.each("thesis", turned)
     return judged(

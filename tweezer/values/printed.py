@@ -1,4 +1,4 @@
-"""Numbers in SI as text, in the units in which results print them."""
+"""Numbers in SI units as text, in the units in which results print them."""
 
 from __future__ import annotations
 
@@ -10,39 +10,44 @@ from tweezer.values.rounding import rounded, with_uncertainty
 
 
 def scaled(value: float, unit: str) -> float:
-    """Return a number in SI in the printed unit."""
+    """Return a number in SI units in the unit with this name, in which it is printed."""
     return per(unit) * value
 
 
 def in_unit(value: float, unit: str, digits: int = 4) -> str:
-    """Return the text of a number without its unit."""
+    """Return an SI number as text in the unit with this name, without the unit."""
     return f"{scaled(value, unit):.{digits}g}"
 
 
 def printed(values: float | Iterable[float], unit: str, digits: int = 4) -> str:
-    """Return the text of a number, or of several, with its unit: "12.3, 12.3, 4.1 pN/um"."""
+    """Return an SI number, or several, as text with the unit: "12.3, 12.3, 4.1 pN/um"."""
     numbers = values if isinstance(values, Iterable) else (values,)
     return f"{', '.join(in_unit(each, unit, digits) for each in numbers)} {unit}".rstrip()
 
 
 def pair(value: float, error: float, unit: str) -> tuple[str, str]:
-    """Return the texts of a number and its uncertainty, without their unit."""
+    """Return an SI number and its uncertainty as texts in the unit with this name, without the
+    unit.
+    """
     return rounded(scaled(value, unit), scaled(error, unit))
 
 
 def with_error(value: float, error: float | None, unit: str, sign: str = "+-") -> str:
-    """Return the text of a number with its uncertainty, if that is known, and its unit."""
+    """Return an SI number as text with its uncertainty, if that is known, and the unit."""
     error = math.nan if error is None else scaled(error, unit)
     return f"{with_uncertainty(scaled(value, unit), error, sign)} {unit}".rstrip()
 
 
 def signal_unit(unit: str) -> str:
-    """Return the printed unit of small signals in "m" or "V"."""
+    """Return the unit in which small signals in "m" or "V" are printed: "nm" or "mV"."""
     return "mV" if unit == "V" else "nm"
 
 
 def located(value: float, error: float | None, unit: str) -> str:
-    """Return the text of a number of a run, rounded to its error if that is known, and its unit."""
+    """Return an SI number of a run as text, rounded to its error if that is known, with the unit.
+
+    error: 0 for an exact number, None or NaN if it is not known.
+    """
     scale = per(unit)
     text = f"{scale * value:.3g}"
     if error == 0:

@@ -114,7 +114,10 @@ def kind_of(result: Any) -> Kind | None:
 
 
 def _kind_with(names: set[Any]) -> Kind | None:
-    """Return the kind of a result that has attributes, variables and dimensions of these names."""
+    """Return the kind of a result whose attributes, variables and dimensions have these names.
+
+    Returns None for an unknown kind.
+    """
     return next((kind for kind in KINDS if names.issuperset(kind.marks)), None)
 
 
@@ -167,7 +170,10 @@ def read_json(path: Path) -> Any:
 
 
 def _content(path: Path) -> tuple[Any, bool]:
-    """Return the content of a file of JSON without its digest, and whether it has one."""
+    """Return the content of a JSON file without its digest, and whether it had one.
+
+    Raises `ResultError` if it cannot be read or differs from its digest.
+    """
     try:
         found = json.loads(read_text(path))
         if not isinstance(found, dict) or DIGEST not in found:
