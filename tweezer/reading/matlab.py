@@ -48,6 +48,7 @@ def _check(elements: memoryview, order: str, most_bytes: int, depth: int) -> Non
     """
     if not depth:
         raise ValueError("has arrays within arrays, too many")
+    # whether they are in an array, and it has numbers; offset; number of elements, and the least
     within, numbers, at, count, fewest = depth < _DEPTH, False, 0, 0, 0
     while at + _TAG <= len(elements):
         code, length = struct.unpack_from(f"{order}2I", elements, at)

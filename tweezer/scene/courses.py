@@ -55,9 +55,7 @@ def refusal(reason: str) -> PydanticCustomError:
 
 
 class _Course(Section):
-    """Base of a course in time, of a position or a power: its `kind`, and the keys that belong to
-    it.
-    """
+    """Base of a course in time of a position or a power: its kind, and the keys that it needs."""
 
     kind: str
 

@@ -152,7 +152,7 @@ class Part:
                 self.folder.rmdir()
 
     def new(self) -> Path:
-        """Return the unused name of a store, to be written before it is renamed to `out`."""
+        """Return an unused name for a store; once it is written it is renamed to `out`."""
         return self.folder / f"new-{secrets.token_hex(8)}"
 
 

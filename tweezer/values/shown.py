@@ -101,8 +101,9 @@ def as_text(card: Card) -> str:
 
 
 def _indented(text: str, first: str, then: str) -> list[str]:
-    """Return a text wrapped to lines of 92 characters. first, then: start of the first and other
-    lines.
+    """Return a text wrapped to lines of 92 characters.
+
+    first, then: beginning of the first line, and of the others.
     """
     return textwrap.wrap(
         text, _WIDTH, initial_indent=first, subsequent_indent=then, break_on_hyphens=False

@@ -250,7 +250,7 @@ class Wall(Filled):
 
     @model_validator(mode="after")
     def _opposite_beyond(self) -> Self:
-        """Refuse a second plane that is not beyond the bead."""
+        """Refuse a second plane that is not on the side of the first one where the bead is."""
         if self.opposite is not None and self.normal * (self.opposite - self.position) <= 0:
             raise refusal(
                 f"opposite = {self.opposite:g}: must be on the side of the bead, {self.side} "
