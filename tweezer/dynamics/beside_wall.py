@@ -1,4 +1,4 @@
-"""What thermal motion beside a wall needs of a scene: a spring, a step, a start on its side."""
+"""Preparation of thermal motion beside a wall: stiffness and step across it, and the start."""
 
 from __future__ import annotations
 
@@ -33,24 +33,27 @@ _RARELY = 0.01
 
 
 class Towards(NamedTuple):
-    """Motion towards the wall, in the plane whose radius is the gap."""
+    """Motion towards the wall, in the plane whose radius r gives the gap (`brownian.plane`)."""
 
     spring: float
-    """1/s, mean rate at which drift brings two beads together; 0 if it does not"""
+    """mean rate at which the drift decreases the distance between two beads, 1/s; 0 if
+    it does not
+    """
     fastest: float
-    """1/s, rate of change of the drift: where the bead is for 99 % of the time it is no larger"""
+    """largest rate of change of the drift where the bead is for 99 % of the time, 1/s"""
 
 
 def without_walls(problem: Problem) -> Problem:
-    """The problem without the forces of its walls."""
+    """Return the problem without the forces of its walls."""
     return dataclasses.replace(problem, walls=())
 
 
 def towards(problem: Problem, walls: Walls) -> Towards:
-    """How fast a bead moves towards the wall where it is found: about its trap, or from its start.
+    """Return the rates of the motion towards the wall, where the bead is likely to be.
 
-    On a line across the wall, by the density of Boltzmann as far as no barrier is; of a trap, up to
-    where it ends, and without one at the start too.
+    The density is Boltzmann's on a line across the wall, through the trap or the start, up to
+    barriers that are not crossed. For a trap it ends where the trap does; without one the start is
+    included.
     """
     scene = problem.scene
     trap = problem.equilibrium
@@ -98,7 +101,11 @@ def towards(problem: Problem, walls: Walls) -> Towards:
 
 
 def _this_side(energy: Array, here: int) -> NDArray[np.bool_]:
-    """Which places a bead comes to from one of them, (n,): energy is over kT."""
+    """Return which positions a bead can reach from the position `here` without a high barrier,
+    (n,).
+
+    energy: (n,) potential along the line, over kT. here: index in it.
+    """
     found = np.full(len(energy), False)
     for away in (slice(here, None), slice(here, None, -1)):
         on = energy[away]
@@ -108,9 +115,9 @@ def _this_side(energy: Array, here: int) -> NDArray[np.bool_]:
 
 
 def rate_of_sticking(problem: Problem) -> float:
-    """Rate at which van der Waals's force draws a bead in contact to the wall, 1/s; 0 without it.
+    """Return the rate at which van der Waals attraction pulls a bead in contact to the wall, 1/s.
 
-    In the plane, where the bead is at the gap 0 in the middle: D/r^2 times F r/(2 kT).
+    It is D/r^2 times F r/(2 kT), in the plane where the gap is a radius. 0 without this attraction.
     """
     walls = problem.drag.walls
     if walls is None:
@@ -120,9 +127,11 @@ def rate_of_sticking(problem: Problem) -> float:
 
 
 def held(problem: Problem, walls: Walls, kT: float, normal: Array) -> Array:
-    """Places from the trap, (n, 3) m, of beads that it holds beside a wall.
+    """Return initial displacements from the trap, (n, 3) m, of beads that are trapped beside a
+    wall.
 
-    Gaussian as far as its spring goes, and cut at contact. normal: the numbers (n, 3).
+    They follow the Gaussian distribution of the trap's spring, cut off at contact. kT: J. normal:
+    (n, 3) standard normal numbers.
     """
     trap = problem.equilibrium
     assert trap is not None
@@ -146,9 +155,10 @@ def held(problem: Problem, walls: Walls, kT: float, normal: Array) -> Array:
 
 
 def cut(normal: Array, low: float, high: float) -> Array:
-    """Normal numbers (n,) between two ends, from such numbers without ends, which they rise with.
+    """Return normal numbers (n,) restricted to an interval, from unrestricted ones.
 
-    low < 0 < high, or infinite.
+    Each result increases with its input. low, high: ends of the interval, low < 0 < high; may be
+    infinite.
     """
     below, above = ndtr(low), ndtr(-high)
     left, right = (side + ndtr(sign * normal) * (1 - below - above) for side, sign in (

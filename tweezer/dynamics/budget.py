@@ -1,4 +1,4 @@
-"""What a run may be off, and why: time integration and model. The force's own error is apart."""
+"""Errors of a run by time integration and by the model. The error of the force is separate."""
 
 from __future__ import annotations
 
@@ -34,24 +34,26 @@ TIGHTER = 1.0 / 16.0
 
 @dataclass(frozen=True)
 class Finer:
-    """The same motion integrated more finely."""
+    """Finer integration of the same motion."""
 
     run: Integration
     error_per_difference: float
-    """error of the run over its difference from this one"""
+    """error of the run over its difference from this finer one"""
 
 
 @dataclass(frozen=True)
 class ErrorBudget:
-    """Errors of the positions of a run, m; NaN where unknown."""
+    """Errors of a run's positions, m; NaN if unknown."""
 
     integration_error: float
-    """of a compiled method, thrice the largest distance to a run with every step halved and the
-    most poles of the fluid's memory. A solver of SciPy's is compared with a compiled method of
-    tighter tolerances instead. NaN if no finer run can be made, for example because half of
-    `simulation.step` takes more than `simulation.most_force_calls`"""
+    """error of time integration. For a compiled method it is thrice the largest distance to a run
+    with every step halved and the most poles of the fluid's memory. A solver of SciPy is
+    compared with a compiled method of tighter tolerances instead. NaN if no finer run can be
+    made, for example because half of `simulation.step` takes more than
+    `simulation.most_force_calls`
+    """
     finer: Finer | None
-    """what the integration error is by; None where it is unknown"""
+    """finer run from which the integration error follows; None if it is unknown"""
 
 
 def error_budget(
@@ -109,6 +111,7 @@ def model_error(equations: EquationsOfMotion, run: Integration, position: Array)
 def _of_integration(
     equations: EquationsOfMotion, run: Integration, position: Array, events: Sequence[Event]
 ) -> tuple[Finer | None, float]:
+    """Return the finer run, if one can be made, and the error of time integration, m."""
     problem: Problem | None
     if METHODS[run.method].solver:
         problem, ratio = _compiled(equations), 1.0
@@ -144,9 +147,11 @@ def _with_other_poles(problem: Problem) -> Problem:
 
 
 def _finer_steps(equations: EquationsOfMotion, run: Integration) -> Array:
-    """Steps half as long, s; and where the force jumps, some that see the velocity relax.
+    """Return the lengths of the steps of the finer run, s: half as long as the run's.
 
-    A first step much longer than the relaxation passes over it, and so would half of it.
+    Where the force jumps, and at the beginning, a series of ever longer steps resolves the
+    relaxation of the velocity: a step much longer than the relaxation passes over it, and so would
+    half of it.
     """
     lengths = run.step_lengths
     begin = equations.begin_time
@@ -167,9 +172,9 @@ def _finer_steps(equations: EquationsOfMotion, run: Integration) -> Array:
 
 
 def _without_wall(equations: EquationsOfMotion, run: Integration) -> float:
-    """How much less far a bead would have come with the drag of the wall, m.
+    """Return how much less the bead would have moved with the drag of the wall, m.
 
-    A fluid with memory leaves that drag out.
+    A fluid with memory ignores that drag.
     """
     scene = equations.scene
     if scene.wall is None:
@@ -181,9 +186,9 @@ def _without_wall(equations: EquationsOfMotion, run: Integration) -> float:
 
 
 def _lag(equations: EquationsOfMotion, run: Integration) -> float:
-    """The largest lag by the fluid's inertia, m, of a run without it.
+    """Return the largest lag due to fluid inertia, m, of a run without fluid inertia.
 
-    Beside a wall vorticity gets no farther than to it.
+    Beside a wall vorticity diffuses only as far as the wall, which bounds the time.
     """
     motion, bead = equations.motion(run.times, run.states), equations.bead
     times = run.times
@@ -195,7 +200,7 @@ def _lag(equations: EquationsOfMotion, run: Integration) -> float:
 
 
 def _compiled(equations: EquationsOfMotion) -> Problem | None:
-    """The problem with a compiled method that suits its equations."""
+    """Return the problem with a compiled method that suits its equations; None if there is none."""
     method = "exponential" if equations.takes_drag_exactly else "dop853"
     if equations.takes_drag_exactly or not equations.stiff:
         return equations.problem.changed(method=method, step=None)
@@ -222,7 +227,12 @@ def _compared(
     begin: Begin | None = None,
     **how: Any,
 ) -> tuple[Integration | None, float]:
-    """The motion of `problem`, and its largest distance from a run."""
+    """Return the motion of `problem` at the times of a run, and its largest distance from the run,
+    m.
+
+    None and NaN if there is no problem or its motion is not completed. position: (n, 3) m, of the
+    run.
+    """
     if problem is None:
         return None, math.nan
     equations = bind(problem, begin)

@@ -1,4 +1,4 @@
-"""What a camera sees of a motion: places averaged over exposures, and its noise."""
+"""Camera images of a motion: positions averaged over exposures, with detector noise."""
 
 from __future__ import annotations
 
@@ -45,38 +45,42 @@ class Frames:
 
     camera: Camera
     duration: float
-    """of the run, s"""
+    """duration of the run, s"""
 
     @classmethod
     def of(cls, scene: Scene) -> Frames | None:
-        """Those of a scene; None without a camera."""
+        """Return the frames of a scene's camera; None without a camera."""
         return None if scene.camera is None else cls(scene.camera, scene.simulation.duration)
 
     @functools.cached_property
     def opens(self) -> Array:
-        """(frames,) s, when the exposure of each begins."""
+        """Times at which the exposures begin, (frames,) s."""
         left = self.duration - self.camera.exposure
         count = int(left * self.camera.rate * (1 + _ROUNDING)) + 1
         return np.minimum(np.arange(count) / self.camera.rate, left)
 
     @functools.cached_property
     def closes(self) -> Array:
-        """(frames,) s, when it ends."""
+        """Times at which the exposures end, (frames,) s."""
         return np.minimum(self.opens + self.camera.exposure, self.duration)
 
     @property
     def times(self) -> Array:
-        """(frames,) s, the middle of each exposure."""
+        """Times of the middle of each exposure, (frames,) s."""
         return (self.opens + self.closes) / 2
 
     def numbers(self, seed: int, trajectory: int, first: int, last: int) -> Array:
-        """Normal numbers (ROWS, last - first) of the frames from `first` to `last`."""
+        """Return normal random numbers (ROWS, last - first) of the frames from `first` to before
+        `last`.
+        """
         drawn = np.empty((ROWS, last - first))
         noise.normals(seed, np.arange(first, last), trajectory, noise.CAMERA, drawn)
         return drawn
 
     def seen(self, path: Path, seed: int) -> tuple[Array, Array]:
-        """Times (n,) s and places (n, axes) m of the frames that `path` has in whole."""
+        """Return times (n,), s, and recorded positions (n, axes), m, of the frames that end within
+        `path`.
+        """
         count = int(np.searchsorted(self.closes, path.end * (1 + _ROUNDING), side="right"))
         opens, closes = (np.minimum(each[:count], path.end) for each in (self.opens, self.closes))
         exposed = self.camera.exposure > 0
@@ -87,8 +91,10 @@ class Frames:
 
 
 def _averaged(path: Path, opens: Array, closes: Array) -> Array:
-    """Means (n, 3), m, of the places from opens[i] to closes[i], by Gauss's rule in each part of a
-    step.
+    """Return the mean positions (n, 3), m, from times opens[i] to closes[i], s.
+
+    Gauss quadrature is applied to each part of a step, because the path is smooth within steps
+    only.
     """
     ends = np.unique(np.concatenate([path.checkpoints, opens, closes]))
     begins, lengths = ends[:-1], np.diff(ends)
@@ -105,37 +111,40 @@ def _averaged(path: Path, opens: Array, closes: Array) -> Array:
 
 @dataclass(frozen=True)
 class Exposure:
-    """The frames of a camera, of beads that walk by steps (`tweezer.dynamics.brownian.exposure`).
+    """Exposure of a camera for beads that move in steps (`tweezer.dynamics.brownian.exposure`).
 
-    Their mean path is bent: by u kappa s (h - s)/2 in a trap of rate kappa, with u the slow
-    velocity. With the Brownian bridge these are the first terms, in kappa h, of the exact bridge of
-    an Ornstein-Uhlenbeck process.
+    Between two steps h the mean path is curved: it deviates from a straight line by u kappa s (h -
+    s)/2 at the time s, with the slow velocity u and kappa = stiffness over drag. With the Brownian
+    bridge these are the first terms, in kappa h, of the exact bridge of an Ornstein-Uhlenbeck
+    process.
     """
 
     frames: Frames
     problem: Problem
     step: float
-    """s"""
+    """length of a step, s"""
     diffusion: Array
-    """(3,) m^2/s, in times as short as a step, where the mobility is `mobility`"""
+    """(3,) m^2/s, short-time diffusion within a step, where the mobility is `mobility`"""
     mobility: Array
     """(3,) s/kg"""
     kappa: Array
-    """(3,) 1/s, rates of return to the trap"""
+    """(3,) 1/s, trap stiffness over drag"""
     spring: Array | None
-    """(3,) m, the centre of a spring that acts in place of the force"""
+    """(3,) m, centre of a spring that replaces the force; None if the force acts"""
 
     def closed(self, steps: int) -> int:
-        """Number of frames whose exposure is over after so many steps."""
+        """Return the number of frames whose exposure has ended after a number of steps."""
         return _ended(self.frames.closes, steps, self.step) if steps else 0
 
     def expose(
         self, seed: int, trajectories: Integers, steps: int, places: Array, held: Array
     ) -> Array:
-        """What is seen in the frames that end within some steps, (n, frames, axes) m.
+        """Return the recorded positions in the frames that end within some steps, (n, frames, axes)
+        m.
 
-        places: (n, m + 1, 3) m, where the beads are after `steps` steps and the m that follow.
-        held: (n, HELD), changed in place.
+        places: (n, m + 1, 3) positions after `steps` steps and after each of the next m, m. held:
+        (n, HELD) integrals of the frame being exposed, updated in place. seed, trajectories: select
+        the random numbers.
         """
         frames, last = self.frames, steps + places.shape[1] - 1
         first, done = self.closed(steps), self.closed(last)
@@ -155,7 +164,10 @@ class Exposure:
         return means[..., :axes] + np.array(frames.camera.noises) * drawn
 
     def _diffusion(self, places: Array) -> Array:
-        """By bead, step and axis, m^2/s; one for all where the drag is the same everywhere."""
+        """Return the diffusion by bead, step and axis, m^2/s; one bead and step for a uniform drag.
+
+        places: (n, m + 1, 3) m, at the ends of m steps.
+        """
         if self.problem.drag.uniform:
             return self.diffusion[None, None]
         begins = places[:, :-1].reshape(-1, 3)
@@ -165,7 +177,11 @@ class Exposure:
         return (self.diffusion * found).reshape(len(places), -1, 3)
 
     def _bend(self, means: Array, which: slice) -> Array:
-        """What the bend of the mean path adds to means (n, frames, 3), m."""
+        """Return the change of mean positions (n, frames, 3), m, by the curvature of the path
+        within steps.
+
+        which: frames to which `means` belongs.
+        """
         times = np.tile(self.frames.times[which], len(means))
         places = means.reshape(-1, 3)
         there = np.isfinite(places).all(axis=1)
@@ -181,11 +197,16 @@ class Exposure:
 
 
 def bend(h: float, opens: Array, closes: Array) -> Array:
-    """Means of s (h - s)/2 over exposures, s^2; s is the time since the last step of length h."""
+    """Return the means of s (h - s)/2 over exposures, s^2.
+
+    s is the time since the last step, and h the length of the steps, s. opens, closes: (frames,)
+    times at which exposures begin and end, s.
+    """
     before, after = (np.floor(times / h) for times in (opens, closes))
     s, t, width = opens - before * h, closes - after * h, closes - opens
 
     def until(s: Array) -> Array:
+        """Return the integral of s (h - s)/2 from 0 to s."""
         return s**2 * h / 4 - s**3 / 6
 
     whole = (after - before) * h**3 / 12 + until(t) - until(s)
@@ -193,10 +214,10 @@ def bend(h: float, opens: Array, closes: Array) -> Array:
 
 
 def at_short_times(h: float, diffusion: Array, modes: Modes) -> Array:
-    """Mean squared displacement of a free bead in a time h over 2 h, m^2/s.
+    """Return the mean squared displacement of a free bead in a time h (s), divided by 2 h, m^2/s.
 
-    modes: of its velocity. As D of the Brownian bridge from step to step it makes a bead vary
-    within a step as it does at the ends of it.
+    diffusion: D, m^2/s. modes: modes of its velocity. Used as D of the Brownian bridge between
+    steps, it gives a bead the same variance within a step as at its ends.
     """
     late = modes.weights * modes.times * np.expm1(-h / modes.times)
     return np.asarray(diffusion * (1 + late.sum() / h))
@@ -222,6 +243,10 @@ def longest_step(camera: Camera, modes: Modes, error: float) -> float:
     from scipy.optimize import brentq
 
     def off(logarithm: float) -> float:
+        """Return the error of the displacement between frames, less the allowed one.
+
+        logarithm: log of the step in intervals between frames.
+        """
         frames = math.exp(logarithm)
         h = frames / camera.rate
         delta = 1 - float(at_short_times(h, np.ones(1), modes)[0])
@@ -235,6 +260,8 @@ def longest_step(camera: Camera, modes: Modes, error: float) -> float:
 
 
 def _ended(times: Array, steps: int, step: float) -> int:
-    """How many of ascending times have come after so many steps."""
+    """Return how many of the ascending times, s, have passed after a number of steps, up to
+    rounding.
+    """
     now = steps * step
     return int(np.searchsorted(times, now + (OF_A_STEP * step + OF_THE_TIME * now), side="right"))

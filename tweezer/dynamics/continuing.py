@@ -38,16 +38,20 @@ class Begin(NamedTuple):
     """State from which equations of motion continue."""
 
     time: float
-    """s since the release"""
+    """time since the release, s"""
     state: Array
-    """(state,) of the emitted module"""
+    """(state,) in the form of the emitted equations"""
     inner: Array
-    """(inner,) as the loop of the method has it"""
+    """(inner,) in the form that the method's loop uses"""
     finer: Begin | None = None
-    """that of the run by which the error is known; None if it is unknown"""
+    """state of the finer run that determines the error; None if the error is unknown"""
 
 
 class _State(BaseModel):
+    """State at the end of a run, as it is stored: in the form of the equations and of the method's
+    loop.
+    """
+
     state: list[float]
     inner: list[float]
 
@@ -56,24 +60,34 @@ class End(BaseModel):
     """End of a run, as in its attribute `end`."""
 
     time: float
-    """s"""
+    """time of the end, s"""
     module: str
-    """the emitted module"""
+    """name of the emitted module, or the columns of a sample of thermal motion"""
     at: _State
-    """of thermal motion: the last sample, and the state without what a camera gathered"""
+    """state at the end; of thermal motion: the last sample, and the state without the camera's
+    integrals
+    """
     finer: _State | None = None
+    """state of the finer run that determines the error; None if unknown or for thermal motion"""
     steps: int = 1
-    """of thermal motion, from sample to sample"""
+    """number of steps between samples, of thermal motion"""
     memory: list[float] = []
-    """of thermal motion in a fluid with memory: what its hidden variables are"""
+    """coefficients that define the hidden variables of the fluid's memory, of thermal motion with
+    memory
+    """
 
     @classmethod
     def of(cls, time: float, module: str, at: tuple[Array, Array], **more: Any) -> Self:
-        """Return the end with a state as the emitted module has it, and as the method has it."""
+        """Return the end at a time, s, with a state in the form of the equations and in that of the
+        method.
+        """
         return cls(time=time, module=module, at=_state(at), **more)
 
 
 def _state(at: tuple[Array, Array]) -> _State:
+    """Return a pair of states, in the form of the equations and of the loop, in the form that is
+    stored.
+    """
     return _State(state=at[0].tolist(), inner=at[1].tolist())
 
 
@@ -93,11 +107,11 @@ class Continued:
     approached: bool
     """whether the bead has passed its closest approach"""
     seed: int | None
-    """of the earlier run; None where it drew no numbers"""
+    """seed of the earlier run; None if it used no random numbers"""
 
     @property
     def begin(self) -> Begin:
-        """The state of the end."""
+        """State from which the equations of motion continue."""
         at, finer = self.end.at, self.end.finer
         other = None
         if finer is not None:
@@ -230,6 +244,7 @@ def _differences(scene: Scene, earlier: Scene) -> list[tuple[str, Any, Any]]:
 
 
 def _different(key: str, now: Any, then: Any) -> SceneError:
+    """Return the error for a key whose value differs from the earlier run's."""
     must = "must not be given" if then is None else f"must be {then}"
     return SceneError(
         f"{key} = {now}: differs from the run to continue, whose state belongs to its own bead, "
@@ -238,6 +253,7 @@ def _different(key: str, now: Any, then: Any) -> SceneError:
 
 
 def _same(one: Any, other: Any) -> bool:
+    """Return whether two values are equal, up to rounding for numbers."""
     if isinstance(one, float) and isinstance(other, float):
         return math.isclose(one, other, rel_tol=_ROUNDING)
     return bool(one == other)

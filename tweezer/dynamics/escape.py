@@ -1,4 +1,4 @@
-"""Pulling a bead out of its trap along a straight line: force, range and work."""
+"""Escape of a bead from its trap along a straight line: force, range and work."""
 
 from __future__ import annotations
 
@@ -62,22 +62,23 @@ _WEIGHTS = np.concatenate([_KRONROD[:0:-1, 1:], _KRONROD[:, 1:]]).T
 
 @dataclass(frozen=True)
 class Escape:
-    """Pulling the bead out of the equilibrium along a straight line, as `characterise` has it."""
+    """Pull of the bead out of an equilibrium along a straight line, as `characterise`
+    reports it.
+    """
 
     direction: str
     """"+x" to "-z\""""
     force: float
     """largest restoring force on the way, N: a steady pull above it takes the bead out"""
     force_at: float
-    """where, m from the equilibrium"""
+    """distance from the equilibrium at which it acts, m"""
     range: float | None
     """m from the equilibrium to where the force stops pulling back; None if beyond `Trap.reach`,
     a wall or the places where the force is known"""
     energy: float
-    """work against the force up to there; where the pull does not end, over `Trap.reach` or up to
-    the wall, J"""
+    """work against the force up to `range`; without it, up to `Trap.reach` or the wall, J"""
     energy_error: float
-    """estimated error of the integration, J; that of the force comes on top"""
+    """estimated error of the integration, J, without the error of the force"""
     energy_kT: float
     """`energy` in k_B T of the medium"""
     wall_at: float | None
@@ -105,9 +106,10 @@ def too_shallow(ways: Iterable[Escape]) -> str:
 def escapes(
     scene: Scene, search: Search, net_force: NetForce, origin: Array, *, symmetric: bool
 ) -> tuple[Escape, ...]:
-    """The escapes from `origin`, one for each of `DIRECTIONS`.
+    """Return the escapes from the equilibrium `origin` (3,), m, one for each of `DIRECTIONS`.
 
-    symmetric: whether the force is the same all around the axis, on which the origin is.
+    symmetric: whether the force is rotationally symmetric about the axis and the origin on it; then
+    one lateral direction is computed for all.
     """
     found: dict[str, Escape] = {}
     for name in DIRECTIONS:
@@ -158,6 +160,7 @@ def largest(component: Component, distances: Array, spacing: float) -> tuple[flo
 def _escape(
     scene: Scene, search: Search, net_force: NetForce, origin: Array, direction: str
 ) -> Escape:
+    """Return the escape from `origin` (3,), m, along a direction, "+x" to "-z"."""
     r = scene.body.size
     pull = opposite(along(net_force, origin, direction))
     farthest = search.to_the_end(origin, direction)
@@ -201,7 +204,9 @@ def _escape(
 
 
 def _to_wall(scene: Scene, origin: Array, direction: str, reach: float) -> float | None:
-    """How far from `origin` a bead touches a wall, m; None if beyond `reach`."""
+    """Return the distance from `origin` at which the bead touches a wall, m; None beyond `reach`,
+    m.
+    """
     wall = scene.wall
     if wall is None or direction[1] != "z":
         return None
@@ -216,7 +221,11 @@ def _to_wall(scene: Scene, origin: Array, direction: str, reach: float) -> float
 def _refined(
     component: Component, distances: Array, values: Array, tolerance: float
 ) -> tuple[float, float]:
-    """Largest value between the ends of `distances`, and where to within `tolerance`."""
+    """Return the largest value between the ends of `distances`, and its distance within
+    `tolerance`, m.
+
+    values: the component at `distances` (n,), m.
+    """
     best = int(values.argmax())
     sampled = float(values[best]), float(distances[best])
     low, high = distances[max(best - 1, 0)], distances[min(best + 1, len(distances) - 1)]
@@ -227,26 +236,32 @@ def _refined(
 
 
 def _places(low: Array, high: Array) -> Array:
-    """Nodes of the panels, (panels, nodes)."""
+    """Return the Gauss-Kronrod nodes of panels between `low` and `high` (panels,), m: (panels,
+    nodes).
+    """
     return (low + high)[:, None] / 2 + (high - low)[:, None] / 2 * _NODES
 
 
 @dataclass(frozen=True)
 class _Panels:
-    """Panels of a line, and the component at their nodes."""
+    """Panels of a line for the quadrature, with the component of the force at their nodes."""
 
     low: Array
+    """(panels,) lower ends, m"""
     high: Array
+    """(panels,) upper ends, m"""
     values: Array
-    """(panels * nodes,)"""
+    """(panels * nodes,) N, at the nodes"""
 
     @classmethod
     def of(cls, component: Component, low: Array, high: Array) -> _Panels:
-        """The panels between these ends, evaluated."""
+        """Return the panels between these ends, (panels,) m, with the component evaluated at the
+        nodes.
+        """
         return cls(low, high, component(_places(low, high).ravel()))
 
     def joined(self, other: _Panels) -> _Panels:
-        """Both."""
+        """Return these panels followed by those of `other`."""
         return _Panels(
             np.append(self.low, other.low),
             np.append(self.high, other.high),
@@ -254,7 +269,7 @@ class _Panels:
         )
 
     def integrals(self) -> tuple[Array, Array]:
-        """The integral over each panel, and its estimated error."""
+        """Return the integral over each panel, J, and its estimated error, both (panels,)."""
         values, half = self.values.reshape(-1, len(_NODES)), (self.high - self.low) / 2
         by_kronrod, by_gauss = half * (_WEIGHTS @ values.T)
         mean = by_kronrod / (2 * half)
@@ -265,9 +280,10 @@ class _Panels:
 
 
 def _integral(component: Component, panels: _Panels) -> tuple[float, float]:
-    """Integral over the panels, and its estimated error; panels with large errors are halved.
+    """Return the integral over the panels and its estimated error, J.
 
-    All panels of a turn are evaluated together: one place at a time costs ten times as much.
+    Panels with large errors are halved. All panels of a round are evaluated together, because one
+    position at a time costs ten times as much.
     """
     value = error = 0.0
     places = 0

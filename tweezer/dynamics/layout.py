@@ -118,7 +118,7 @@ class Layout:
 
     @property
     def size(self) -> int:
-        """Number of numbers of a copy."""
+        """Number of components of a copy's state."""
         return self.bodies * self.width
 
     @property
@@ -132,7 +132,7 @@ class Layout:
         return tuple(column for name in self.blocks for column in QUANTITIES[name].columns)
 
     def __contains__(self, name: str) -> bool:
-        """Whether there is a block of that name."""
+        """Return whether there is a block of that name."""
         return name in self.blocks
 
     @functools.cached_property

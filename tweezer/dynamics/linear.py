@@ -38,16 +38,18 @@ CRITICAL = 0.5
 class Resonances(NamedTuple):
     """Frequencies of a bead in the spring of each axis, (3,) each.
 
-    An axis has a corner frequency, or else a resonance with its quality factor: the others are NaN.
+    An axis has either a corner frequency or a resonance frequency with a quality factor; the others
+    are NaN.
     """
 
     corner_frequencies: Array
-    """k_ii/(2 pi beta_v), Hz, where the bead creeps back"""
+    """k_ii/(2 pi beta_v), Hz, if the bead is overdamped"""
     resonance_frequencies: Array
-    """|s|/(2 pi), Hz, of the root s of the motion, where it swings: sqrt(k_ii/m)/(2 pi) without the
-    fluid's inertia"""
+    """|s|/(2 pi), Hz, of the root s of the motion, if the bead oscillates: sqrt(k_ii/m)/(2 pi)
+    without fluid inertia
+    """
     quality_factors: Array
-    """|s|/(2 |Re s|), above 1/2: sqrt(k_ii m)/beta_v without the fluid's inertia"""
+    """|s|/(2 |Re s|), above 1/2: sqrt(k_ii m)/beta_v without fluid inertia"""
 
 
 @dataclass(frozen=True)
@@ -55,11 +57,13 @@ class LinearMotion:
     """The inertia of a bead in its motion about an equilibrium."""
 
     mass: float
-    """of the bead alone, and what moves with it of the fluid without memory, kg; 0 in a model
-    without inertia"""
+    """mass of the bead with the added mass in a fluid without memory, kg; 0 in a model without
+    inertia
+    """
     displaced_mass: float = 0.0
-    """of the fluid in place of the bead, kg, where the fluid has a memory, by so many poles"""
+    """mass of the fluid in the bead's place, kg, if the fluid has a memory; else 0"""
     poles: int = 0
+    """number of poles of the fluid's memory; 0 without it"""
     scale: float = 1.0
     """a2 of the scaled model, by which it divides the inertia of the bead"""
     expansion_time: float = 0.0
@@ -124,12 +128,18 @@ class LinearMotion:
         return Resonances(corner, resonance, quality)
 
     def quality(self, stiffness: float, mobility: float) -> float:
-        """sqrt(k m)/beta_v with all the mass that a sudden force meets: 0 without inertia."""
+        """Return sqrt(k m)/beta_v with the mass that a sudden force accelerates; 0 without inertia.
+
+        stiffness: k, N/m. mobility: 1/beta_v, s/kg.
+        """
         mass = self.mass + 0.5 * self.displaced_mass
         return math.sqrt(stiffness * mass) * mobility
 
     def _modes(self, mobility: float, scale: float) -> Modes:
-        """Return the modes of the velocity after a force."""
+        """Return the modes of the velocity after a force, for a mobility, s/kg.
+
+        scale: factor a2 by which the bead's mass is divided.
+        """
         mass, drag = self.mass / scale, 1 / mobility
         if self.poles:
             return modes(mass, drag, self.displaced_mass, self.poles)
@@ -137,10 +147,11 @@ class LinearMotion:
 
 
 def _inverse(rates: Array | Complex, velocity: Modes) -> Array | Complex:
-    """Inverse of the matrix of the linear motion: its eigenvalues are 1/s, s.
+    """Return the inverse of the matrix of the linear motion, whose eigenvalues are 1/s for roots s.
 
-    The slow motion keeps all digits in it, beside modes that are faster by many decades. rates:
-    b K, (sets, axes, axes), of one or more axes that a set couples.
+    rates: (sets, axes, axes) mobility times stiffness, 1/s, of axes that are coupled. velocity:
+    modes of the velocity, (modes,) or (axes, modes). In the inverse the slow motion keeps its
+    digits, although some modes are faster by many decades.
     """
     sets, axes, _ = rates.shape
     times = np.broadcast_to(velocity.times, (axes, velocity.times.shape[-1]))

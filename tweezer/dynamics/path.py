@@ -1,4 +1,6 @@
-"""A motion between the times of its output: the dense output of its steps, and what it shows."""
+"""Motion between the output times, from the dense output of its steps, and quantities derived from
+it.
+"""
 
 from __future__ import annotations
 
@@ -32,22 +34,22 @@ _CROSSING = 1e-12
 
 @dataclass(frozen=True)
 class Path:
-    """All of a motion from its release to `end`."""
+    """Motion from its release to `end`."""
 
     equations: EquationsOfMotion
     pieces: Sequence[Piece]
-    """on end, as the solver gave them"""
+    """consecutive pieces of the motion"""
     end: float
-    """s"""
+    """time at its end, s"""
 
     @functools.cached_property
     def checkpoints(self) -> Array:
-        """Ascending times from the release to the end, several to a step, (n,) s."""
+        """Ascending times from the release to the end, several in each step, (n,) s."""
         times = np.unique(np.concatenate([piece.checkpoints() for piece in self.pieces]))
         return np.append(times[times < self.end], self.end)
 
     def positions(self, times: Array) -> Array:
-        """At ascending times (n,) s, (n, 3) m from the focus."""
+        """Return positions from the focus at ascending times (n,), s: (n, 3) m."""
         released = self.equations.released
         return np.concatenate(
             [released(piece).states(part)[:, POSITION] for piece, part in self._parts(times)]
@@ -68,7 +70,7 @@ class Path:
         return self.position_tolerance * len(self.checkpoints) / (self.end - begin)
 
     def speeds(self, times: Array) -> Array:
-        """At ascending times (n,) s, (n,) m/s."""
+        """Return speeds at ascending times (n,), s: (n,) m/s."""
         states = np.concatenate([piece.states(part) for piece, part in self._parts(times)])
         velocity = self.equations.motion(times, states).velocity
         assert velocity is not None  # thermal motion alone has none, and no pieces
@@ -76,10 +78,11 @@ class Path:
 
     @functools.cached_property
     def _begins(self) -> Array:
+        """Times at the beginning of all pieces but the first, s."""
         return np.array([piece.begin for piece in self.pieces[1:]])
 
     def _parts(self, times: Array) -> list[tuple[Piece, Array]]:
-        """Pieces, and those of the times that each holds."""
+        """Return each piece that contains some of the ascending times, with these times."""
         if len(self.pieces) == 1:
             return [(self.pieces[0], times)]
         index = np.searchsorted(self._begins, times, side="right")
@@ -88,21 +91,22 @@ class Path:
 
 
 class Greatest(NamedTuple):
-    """The greatest value of a function of time."""
+    """Largest value of a function of time."""
 
     value: float
     time: float
-    """s"""
+    """time of this value, s"""
     error: float
-    """by which the function may exceed the value between the points looked at"""
+    """largest amount by which the function may exceed the value between the evaluated points"""
 
 
 def greatest(value: Value, times: Array, tolerance: float = 0.0) -> Greatest:
-    """Return the greatest value from times[0] to times[-1] of a function smooth between `times`.
+    """Return the largest value from times[0] to times[-1] of a function smooth between `times`.
 
-    Its local maxima at `times` are located between their neighbours where they may be greater than
-    the greatest by more than `tolerance`. A function that is constant up to rounding has a maximum
-    at every second point. What may be left is part of the error.
+    value: function of ascending times (n,), s, that returns (n,). Each local maximum at `times` is
+    located between its neighbours if it may exceed the largest value by more than `tolerance`; a
+    function that is constant up to rounding has a maximum at every second point. The possible rest
+    is part of the error.
     """
     values = value(times)
     tolerance = max(tolerance, _ROUNDING * float(np.abs(values).max()))
@@ -125,7 +129,7 @@ def greatest(value: Value, times: Array, tolerance: float = 0.0) -> Greatest:
 
 
 def _located(value: Value, low: float, high: float) -> Greatest:
-    """The greatest value between two times with one maximum between them."""
+    """Return the largest value between two times, s, with one maximum between them."""
     for _ in range(_ROUNDS):
         times = np.linspace(low, high, _POINTS)
         values = value(times)
@@ -137,7 +141,7 @@ def _located(value: Value, low: float, high: float) -> Greatest:
 
 
 def largest_distance(one: Path, other: Path) -> Greatest:
-    """Between two motions at the same time, m, up to where both have come."""
+    """Return the largest distance between two motions at equal times, m, up to the earlier end."""
     end = min(one.end, other.end)
     times = np.union1d(one.checkpoints, other.checkpoints)
     times = times[times <= end]
@@ -149,9 +153,10 @@ def largest_distance(one: Path, other: Path) -> Greatest:
 
 
 def last_fall(value: Value, times: Array, tolerance: float = 0.0) -> float:
-    """Return when a function that ends below 0 last fell to it, s; times[0] if never above it.
+    """Return the time at which a function that ends below 0 last fell to 0, s.
 
-    A peak between `times` that may be above 0 by less than `tolerance` is not looked for.
+    It is times[0] if the function is never above 0. A peak between `times` that may be above 0 by
+    less than `tolerance` is not searched for.
     """
     fell = float(times[0])
     while times.size:
@@ -169,20 +174,20 @@ def last_fall(value: Value, times: Array, tolerance: float = 0.0) -> float:
 
 
 class Passage(NamedTuple):
-    """What a motion passed through, or the errors of these numbers; NaN where there is none."""
+    """Quantities of a motion between output times, or their errors; NaN if undefined."""
 
     largest_speed: float
     """m/s"""
     overshoot: float
-    """m past the beam's axis, on the side away from the start"""
+    """largest distance beyond the beam's axis, on the side opposite to the start, m"""
     closest_approach: float
-    """m from the focus, the first local minimum"""
+    """distance from the focus at its first local minimum, m"""
     closest_approach_time: float
-    """s"""
+    """time of this minimum, s"""
     settled: float
-    """s, from when on it stays near where it ends"""
+    """time from which on the bead stays near its final position, s"""
     smallest_gap: float
-    """m, to the nearer wall"""
+    """smallest gap to the nearer wall, m"""
 
 
 def passage(
@@ -206,6 +211,7 @@ def passage(
         distance, time = float(np.linalg.norm(approach.state[POSITION])), approach.time
 
     def away(at: Array) -> Array:
+        """Return by how much the distance from rest exceeds `near` at times (n,), s: (n,) m."""
         return distances_from(rest, path.positions(at)) - near
 
     if away(times[-1:])[0] < 0:
@@ -218,19 +224,24 @@ def passage(
 
 
 def distances_from(rest: Array, positions: Array) -> Array:
-    """Distances of `positions` (n, 3) m from a place, (3,) m, or a ring: its radius and height."""
+    """Return distances of `positions` (n, 3), m, from a point or a ring, (n,) m.
+
+    rest: (3,) position of the point, or (2,) radius and height of the ring, m.
+    """
     if len(rest) == 3:
         return np.linalg.norm(positions - rest, axis=1)
     return np.linalg.norm(across_axis(positions) - rest, axis=1)
 
 
 def across_axis(positions: Array) -> Array:
-    """rho and z of `positions` (n, 3) m, (n, 2) m."""
+    """Return the cylindrical coordinates rho and z of `positions` (n, 3), m: (n, 2) m."""
     return np.column_stack([np.hypot(positions[:, 0], positions[:, 1]), positions[:, 2]])
 
 
 def _overshoot(path: Path, times: Array) -> Greatest:
-    """Largest lateral excursion against the direction of the start; 0 for a start on the axis."""
+    """Return the largest lateral displacement opposite to the start, m; 0 for a start
+    on the axis.
+    """
     start = path.positions(times[:1])[0, :2]
     size = float(np.linalg.norm(start))
     none = Greatest(0.0, 0.0, 0.0)

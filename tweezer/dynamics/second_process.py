@@ -44,6 +44,7 @@ def compiling_beside(scene: Scene) -> Iterator[None]:
     process: subprocess.Popen[bytes] | None = None
 
     def start(compiling: Compilation) -> None:
+        """Start the second process once compiling has taken `_WORTH`."""
         nonlocal process
         if process is None and compiling.seconds > _WORTH:
             shared.share(folder)
@@ -61,10 +62,12 @@ def compiling_beside(scene: Scene) -> Iterator[None]:
 
 
 def _has_errors_to_compile_for(scene: Scene) -> bool:
+    """Return whether the error of a run requires code that the run itself does not."""
     return not scene.forces.brownian and scene.simulation.model not in (None, "full")
 
 
 def _processors() -> int:
+    """Return the number of processors that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -85,7 +88,9 @@ def _started(scene: Scene, folder: Path) -> subprocess.Popen[bytes]:
 
 
 def compile_for_model_error(scene: Scene) -> None:
-    """Compile what the error of the model of a run needs, by following it for a moment."""
+    """Compile the code for the model error of a run, by integrating the unscaled equations for a
+    moment.
+    """
     problem, _ = decided(bound_once(scene))
     compared = unscaled(problem)
     if compared is None:
@@ -96,10 +101,14 @@ def compile_for_model_error(scene: Scene) -> None:
 
 
 def _main() -> None:
+    """Compile for the scene that the first process writes to the standard input, until it closes
+    it.
+    """
     told = json.loads(sys.stdin.buffer.readline())
     folder = Path(told["folder"])
 
     def end_with_the_first_process() -> None:
+        """Exit when the first process closes the pipe, which it also does by ending."""
         sys.stdin.buffer.read()  # until the other end is closed
         shutil.rmtree(folder, ignore_errors=True)
         os._exit(0)

@@ -1,4 +1,4 @@
-"""A motion followed by a compiled method: its steps, and the states between them."""
+"""Integration by a compiled method: its steps, and the states between them."""
 
 from __future__ import annotations
 
@@ -29,42 +29,47 @@ BEFORE = 1 - 1e-14
 
 @dataclass(frozen=True)
 class Steps:
-    """Some steps on end."""
+    """Consecutive steps of a compiled method; implements `Piece`."""
 
     bound: Bound
     """method that took them"""
     records: Records
+    """beginning, length, state and dense output of each step"""
     end: float
-    """s"""
+    """time at the end of the last step, s"""
 
     @property
     def begin(self) -> float:
-        """s"""
+        """Time at the beginning of the first step, s."""
         return float(self.records.begin[0])
 
     def checkpoints(self) -> Array:
-        """Ascending times from begin to end, four to a step."""
+        """Return ascending times from the beginning to the end, four in each step, s."""
         records = self.records
         within = records.begin[:, None] + records.length[:, None] * np.array([0, 0.25, 0.5, 0.75])
         return np.append(within, self.end)
 
     def step_lengths(self, end: float) -> Array:
-        """s, of the steps that begin before `end`; the last one ends there."""
+        """Return the lengths of the steps that begin before `end`, s; the last one is cut off
+        there.
+        """
         records = self.records
         return np.minimum(records.length, end - records.begin)[records.begin < end]
 
     def states(self, times: Array) -> Array:
-        """States of the emitted module at ascending `times` within the piece, (n, state)."""
+        """Return states in the form of the emitted equations at ascending `times`, s,
+        (n, state).
+        """
         return self.bound.states(self.records, np.ascontiguousarray(times, dtype=np.float64))
 
     def inner(self, time: float) -> Array:
-        """Return the state at a time as the loop has it, (inner,)."""
+        """Return the state at a time, s, in the form that the method's loop uses, (inner,)."""
         states = self.bound.inner or self.bound.states
         return states(self.records, np.array([time]))[0]
 
 
 class Solver:
-    """One compiled method bound to equations of motion; `advance` goes on from where it is."""
+    """Compiled method bound to equations of motion; `advance` continues from the present time."""
 
     def __init__(
         self,
@@ -103,26 +108,31 @@ class Solver:
 
     @property
     def time(self) -> float:
-        """s, reached so far."""
+        """Time reached so far, s."""
         return float(self._clock[0])
 
     @property
     def steps(self) -> int:
-        """Steps taken so far."""
+        """Number of steps completed so far."""
         return int(self._counts[0])
 
     @property
     def rejected(self) -> int:
-        """Steps that missed the tolerances."""
+        """Number of steps repeated because their error was too large."""
         return int(self._counts[1])
 
     @property
     def force_calls(self) -> int:
-        """Places at which the force was evaluated so far."""
+        """Number of force evaluations so far."""
         return int(self._counts[2])
 
     def advance(self) -> tuple[Steps | None, int]:
-        """Some more steps, if any, and why they ended: `integrators.REACHED` and so on."""
+        """Take some more steps; return them, or None, and the status: `integrators.REACHED` and so
+        on.
+
+        `FULL` means that the motion continues. Stepping pauses at kinks of the force, where the
+        method restarts.
+        """
         room, n = self._room, len(self._y)
         shapes = (room,), (room,), (room, n), (room, *self._bound.shape)
         records = Records(*map(np.empty, shapes))

@@ -1,8 +1,8 @@
-"""Bias of the position's variance by the step of thermal motion, known at binding.
+"""Bias of the position's variance by the step of thermal motion, known before the run.
 
 Two cases are not small. The method `one-call` has first order in the step for a force that is not a
 gradient, such as the force of circularly polarised light. For a bead driven round at the rate c in
-a trap with the rate k, the variance is too large by
+a trap with the rate k, the variance after steps h is too large by
 
     (1 - h k/2)/(1 - h (k^2 + c^2)/(2 k)) - 1.
 
@@ -40,8 +40,9 @@ _LESS_DRAG = 1e-6
 def one_call_bias(problem: Problem, mobility: Array, kT: float) -> float:
     """Return the relative error of the variance by the method `one-call`, per step, 1/s.
 
-    The largest of an axis: at the stable equilibrium, and with the circulation of places about it,
-    as a force may circulate only beside the axis. 0 without an equilibrium.
+    It is the largest over the axes and over positions at the stable equilibrium and about it, as a
+    force may circulate only away from the axis. 0 without an equilibrium. mobility: (3,) s/kg. kT:
+    J.
     """
     trap = problem.equilibrium
     if trap is None:

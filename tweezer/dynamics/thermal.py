@@ -1,4 +1,4 @@
-"""The model, the method and the step of thermal motion: what is decided before steps are bound."""
+"""Model, method and step of thermal motion, decided before a run."""
 
 from __future__ import annotations
 
@@ -61,9 +61,9 @@ _MOST_PER_SAMPLE = 10**6
 
 
 def decide(problem: Problem) -> tuple[Problem, list[str]]:
-    """Return a problem with a model, a method and what it has of the fluid's inertia, and why.
+    """Return a problem with a model, a method and fluid inertia, and the reasons for them.
 
-    Raises `SceneError` for what does not go together (`tweezer.dynamics.needs`).
+    Raises `SceneError` for a combination that is not possible (`tweezer.dynamics.needs`).
     """
     simulation, reasons = problem.scene.simulation, []
     if simulation.model is None:
@@ -81,7 +81,7 @@ def decide(problem: Problem) -> tuple[Problem, list[str]]:
 
 
 def _memory(problem: Problem) -> tuple[int, str]:
-    """Poles of the memory of the fluid, and the reason."""
+    """Return the number of poles of the fluid's memory, and the reason."""
     poles = problem.scene.medium.poles or POLES
     return poles, f"the fluid remembers, by {poles} poles"
 
@@ -92,29 +92,31 @@ class Linearised:
 
     method: Method
     kT: float
-    """J"""
+    """thermal energy, J"""
     tau: Array
     """(dims,) s, relaxation times of the velocity; 0 without inertia"""
     mobility: Array
     """(dims,) s/kg and 1/(N m s), at the start; beside a wall the one far from it"""
     diffusion: Array
-    """(dims,) m^2/s and rad^2/s"""
+    """(dims,) kT times mobility, m^2/s and rad^2/s"""
     centre: Array
-    """(dims,) m, stable equilibrium"""
+    """(dims,) m, position of the stable equilibrium"""
     rates: Array
     """(3, 3) 1/s, mobility times stiffness"""
     kappa: Array
-    """(dims,) 1/s, rates of return to the trap; beside a wall the one in the plane of the gap"""
+    """(dims,) 1/s, stiffness over drag; across a wall the rate in the plane whose radius gives the
+    gap
+    """
     modes: Modes | None
-    """of the velocity; None without inertia"""
+    """modes of the velocity; None without inertia"""
     towards: Towards | None
-    """motion towards a wall; None without one"""
+    """rates of the motion towards a wall; None without one"""
     bias: float
-    """relative error of the variance of the position over the step, 1/s"""
+    """relative error of the position's variance per step, 1/s"""
 
     @property
     def inertial(self) -> bool:
-        """Whether the state holds velocities."""
+        """Whether the state contains velocities."""
         return self.modes is not None
 
     @classmethod
@@ -148,7 +150,9 @@ class Linearised:
 
 
 def _velocities(problem: Problem, mobility: Array) -> tuple[Array, Modes | None]:
-    """Return the relaxation times of the velocity, (dims,) s, and its modes: None of no inertia."""
+    """Return the relaxation times of the velocity, (dims,) s, and its modes: 0 and None without
+    inertia.
+    """
     simulation, dims = problem.scene.simulation, len(mobility)
     if not MODELS[str(simulation.model)].inertia:
         return np.zeros(dims), None
@@ -186,7 +190,7 @@ def _longest(problem: Problem, linear: Linearised) -> tuple[float, str]:
 
 
 def _limits_of_any_step(problem: Problem, linear: Linearised) -> Iterator[tuple[float, str]]:
-    """Limits of a step that the scene gives too, each with its reason."""
+    """Yield limits, s, that also apply to a step that the scene sets, each with its reason."""
     simulation, kappa = problem.scene.simulation, linear.kappa
     yield math.inf, "from sample to sample"
     if problem.rotates:
@@ -208,7 +212,7 @@ def _limits_of_any_step(problem: Problem, linear: Linearised) -> Iterator[tuple[
 
 
 def _limits_of_forces(problem: Problem, linear: Linearised) -> Iterator[tuple[float, str]]:
-    """Limits by forces and their change, each with its reason."""
+    """Yield limits, s, due to forces and their changes, each with its reason."""
     simulation, tau = problem.scene.simulation, linear.tau
     # not the largest: next to its surface at the focus a bead's force has an infinite derivative
     about = rates_of_force(problem if linear.towards is None else without_walls(problem))
@@ -229,7 +233,7 @@ def _limits_of_forces(problem: Problem, linear: Linearised) -> Iterator[tuple[fl
 
 
 def _limits_of_drag(problem: Problem, linear: Linearised) -> Iterator[tuple[float, str]]:
-    """Limits by the drag and how it changes, each with its reason."""
+    """Yield limits, s, due to the drag and its changes, each with its reason."""
     tau = linear.tau
     if (beside := linear.towards) is not None:
         part = _PART
@@ -248,7 +252,7 @@ def _limits_of_drag(problem: Problem, linear: Linearised) -> Iterator[tuple[floa
 
 
 def _reaches_loss(problem: Problem, linear: Linearised) -> bool:
-    """Return whether a bead in the spring of the trap comes to where it is lost."""
+    """Return whether a bead in the trap's spring may reach the distance at which it is lost."""
     scene, trap = problem.scene, problem.equilibrium
     assert trap is not None  # a method that follows the spring alone refuses a scene without one
     spread = math.sqrt(float((linear.diffusion[TRANSLATION] / linear.kappa[TRANSLATION]).max()))
@@ -258,7 +262,7 @@ def _reaches_loss(problem: Problem, linear: Linearised) -> bool:
 
 
 def _too_many_steps(simulation: Simulation, longest: float) -> str:
-    """Return the message for a run of too many steps from sample to sample."""
+    """Return the message for a run with too many steps between samples; longest: step, s."""
     interval = simulation.duration / (simulation.samples - 1)
     told = (
         f"simulation.samples = {simulation.samples}: is {interval / longest:.2g} steps of "
@@ -272,7 +276,12 @@ def _too_many_steps(simulation: Simulation, longest: float) -> str:
 
 
 def _rate_of_drag(problem: Problem) -> float:
-    """Largest 2 D |grad b|^2/b^2 on lines from the trap to places about it, 1/s; D = kT b."""
+    """Return the largest 2 D |grad b|^2/b^2 around the trap, 1/s: the rate at which the drag
+    changes.
+
+    b is the mobility and D = kT b. It is evaluated on lines from the trap, or the start, to
+    positions about it. 0 for a uniform drag.
+    """
     if problem.drag.uniform:
         return 0.0
     middle = problem.scene.start_position

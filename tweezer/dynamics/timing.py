@@ -1,4 +1,4 @@
-"""How long a part of a run takes."""
+"""Measurement of the time that a part of a run takes."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from tweezer.compiled import compilation
 
 @contextlib.contextmanager
 def timed() -> Iterator[dict[str, float]]:
-    """The attributes of the time that the context took, s, there at its end.
+    """Yield a dictionary that contains the time spent in the context when it ends, s.
 
-    `wall_time` is without the `compile_time`.
+    Its entries are `compile_time`, and `wall_time` without it.
     """
     seconds: dict[str, float] = {}
     began = time.perf_counter()
