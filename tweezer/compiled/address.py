@@ -13,7 +13,7 @@ from numba.extending import intrinsic
 
 @functools.cache
 def address(function: Any, signature: Any) -> int:
-    """Address of the machine code of a compiled function for that signature.
+    """Return the address of the machine code of a compiled function for a signature.
 
     The function is compiled if needed. The address is valid as long as the process lives.
     """
@@ -23,9 +23,9 @@ def address(function: Any, signature: Any) -> int:
 
 @intrinsic
 def call(typing: Any, at: Any, arguments: Any) -> Any:  # noqa: ARG001
-    """Call the function at an address with a tuple of arguments. It returns nothing.
+    """Call the function at an address with a tuple of arguments; it must return nothing.
 
-    The function must take arguments of these types; nothing checks that.
+    Nothing checks that the function takes arguments of these types.
     """
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
@@ -40,9 +40,9 @@ def call(typing: Any, at: Any, arguments: Any) -> Any:  # noqa: ARG001
 
 
 def native_address(compiled: Any, signature: Any) -> int:
-    """Address of the machine code of a compiled function as other compiled functions call it.
+    """Return the address of a compiled function's machine code with Numba's own calling convention.
 
-    Unlike `address`, it reports an exception to its caller: see `attempt`.
+    Unlike a function at an `address`, it reports an exception to its caller: see `attempt`.
     """
     result = compiled.get_compile_result(signature)
     return int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
@@ -73,7 +73,9 @@ def attempt(typing: Any, at: Any, arguments: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def array_at(typing: Any, at: Any, shape: Any) -> Any:  # noqa: ARG001
-    """Return the array of a shape of the numbers at an address, which must outlive it."""
+    """Return an array of a shape whose numbers are at an address; this memory must outlive the
+    array.
+    """
     kind = types.Array(types.float64, len(shape), "C")
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
@@ -108,7 +110,7 @@ def protected(kind: Any) -> Any:
 
 @intrinsic
 def read_only(typing: Any, value: Any) -> Any:  # noqa: ARG001
-    """Return the same arrays, for functions that must not write to them."""
+    """Return the same arrays with a type that forbids writing to them."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         context.nrt.incref(builder, signature.args[0], values[0])

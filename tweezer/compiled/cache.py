@@ -37,7 +37,7 @@ _DIGEST = 32
 
 
 def _fields(kind: Any) -> Any:
-    """Field names, in order, of a type and of the types within it.
+    """Return the field names, in order, of a Numba type and of the types within it.
 
     Compiled code reads a field by its number, so it is stale if the order changes.
     """
@@ -60,11 +60,14 @@ class _File:
 
     @functools.cached_property
     def _compiled_from(self) -> bytes:
-        """Of the function in memory, as its file may change while the program runs."""
+        """Description of everything that the function is compiled from, as it is in memory.
+
+        The source file may change while the program runs.
+        """
         return f"{_FORM} {numba.__version__}{fingerprint(self._dispatcher)}".encode()
 
     def load(self, key: Any) -> Any:
-        """The code stored under `key`, Numba's key of a variant; None if there is none."""
+        """Return the code stored under `key`, Numba's key of a variant; None if there is none."""
         try:
             whole = self.path(key).read_bytes()
         except OSError:
@@ -97,11 +100,12 @@ class _File:
         return Path(f"{self._base}.{types_and_processor[:16]}.nbc")
 
     def _digest(self, content: bytes) -> bytes:
+        """Return the digest of the sources and of the content of a file."""
         return hashlib.sha256(self._compiled_from + content).digest()
 
 
 class _Contents(caching.CompileResultCacheImpl):
-    """What Numba keeps of a function, and what is only to be linked."""
+    """Conversion of compiled functions to what the cache stores, and back."""
 
     def reduce(self, result: Any) -> tuple[Any, ...]:
         """Return the parts of a compiled function that the cache stores."""
@@ -109,7 +113,7 @@ class _Contents(caching.CompileResultCacheImpl):
         return (*others, environments.to_keep(referenced))
 
     def rebuild(self, target_context: Any, payload: tuple[Any, ...]) -> Any:
-        """The function of which `payload` was kept."""
+        """Return the function from its stored parts, `payload`."""
         payload = (*payload[:-1], environments.rebuilt(payload[-1]))
         if linked.is_linked(payload):
             return linked.rebuilt(target_context, payload)
@@ -130,7 +134,11 @@ class _Cache(caching.FunctionCache):
         stored.add(dispatcher)
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:
-        """Argument types, processor, and who calls it; the fingerprint covers the rest."""
+        """Return the key of a variant: argument types, processor, and whether compiled code or
+        Python calls it.
+
+        The fingerprint covers everything else.
+        """
         return sig, codegen.magic_tuple(), "compiled" if self._callers.compiled else "Python"
 
     def load_overload(self, signature: Any, context: Any) -> Any:
@@ -164,10 +172,10 @@ class _Cache(caching.FunctionCache):
 
 
 def cached_njit(signature: Any = None, **options: Any) -> Any:
-    """`numba.njit` with this cache.
+    """Compile a function as `numba.njit` does, and keep the code in this cache.
 
-    signature: argument types to compile for at once, as in `numba.njit`. The function is compiled
-    again if anything it is compiled from changes, in whatever file: see `fingerprint`.
+    signature: argument types to compile for immediately, as in `numba.njit`. The function is
+    compiled again if anything it is compiled from changes, in whatever file: see `fingerprint`.
     """
 
     def compiled(function: Callable[..., Any]) -> Any:
@@ -182,7 +190,7 @@ def cached_njit(signature: Any = None, **options: Any) -> Any:
 
 
 def named_njit(*, inner: bool = False, **options: Any) -> Any:
-    """`numba.njit` of a function that cached functions call.
+    """Compile a function as `numba.njit` does, for cached functions to call.
 
     inner: only compiled functions call it. A call from Python raises `TypeError`.
     """

@@ -1,4 +1,4 @@
-"""The code by which Python calls a compiled function, left out where only compiled code calls it.
+"""Compilation without the code by which Python calls a function, where only compiled code calls it.
 
 That code takes a quarter of the time to compile.
 """
@@ -15,10 +15,10 @@ from tweezer.compiled import linked
 
 
 class Callers:
-    """Compiles a function for those who call it.
+    """Compiler of a function that adds code for calls from Python only where Python calls it.
 
-    For compiled code without the code by which Python calls it, to be linked into that of its
-    caller; and with that code when Python calls the function, or takes its address.
+    For compiled code the function is compiled without it, to be linked into the code of its caller;
+    it is compiled with it when Python calls the function or takes its address.
     """
 
     def __init__(self, dispatcher: Dispatcher) -> None:
@@ -38,7 +38,7 @@ class Callers:
         function._compiler.pipeline_class = linked.LinkingCompiler
 
     def _get_call_template(self, *arguments: Any) -> Any:
-        """`Dispatcher.get_call_template`: compiled code calls the function."""
+        """Answer compiled code that calls the function; replaces `Dispatcher.get_call_template`."""
         before, self.compiled = self.compiled, True
         try:
             return self._call_template(*arguments)
@@ -46,26 +46,36 @@ class Callers:
             self.compiled = before
 
     def _compiled(self, signature: Any) -> Any:
-        """`Dispatcher.compile`: for Python once more, if it was without that code."""
+        """Compile the function, again for Python if it was compiled without the code for calls from
+        Python.
+
+        Replaces `Dispatcher.compile`.
+        """
         with global_compiler_lock:
             self._forget(signature)
             return self._compile(signature)
 
     def _get_compile_result(self, signature: Any) -> Any:
-        """`Dispatcher.get_compile_result`: likewise for its address."""
+        """Return the compiled function with an address; replaces `Dispatcher.get_compile_result`.
+
+        A version without the code for calls from Python is compiled again.
+        """
         with global_compiler_lock:
             self._forget(signature)
             return self._result(signature)
 
     def _forget(self, signature: Any) -> None:
-        """Forget what Python cannot call, if it is Python that calls."""
+        """Forget a version that Python cannot call, if it is Python that calls now."""
         types = tuple(sigutils.normalize_signature(signature)[0])
         if not self.compiled and types in self._without:
             self._without.remove(types)
             del self._overloads[types]
 
     def _added(self, result: Any) -> None:
-        """`Dispatcher.add_overload`: Python must not find what it cannot call."""
+        """Register a compiled version; replaces `Dispatcher.add_overload`.
+
+        Python must not find a version that it cannot call.
+        """
         if self.compiled:
             types = tuple(result.signature.args)
             self._without.add(types)
@@ -76,7 +86,7 @@ class Callers:
             linked.set_environments(result)
 
     def _customised(self, flags: Any) -> Any:
-        """`_FunctionCompiler._customize_flags`: the options of one compilation."""
+        """Set the options of one compilation; replaces `_FunctionCompiler._customize_flags`."""
         if self.compiled:
             flags.no_cpython_wrapper = flags.no_cfunc_wrapper = flags.no_compile = True
         return flags

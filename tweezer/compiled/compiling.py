@@ -40,7 +40,7 @@ stored: weakref.WeakSet[Dispatcher] = weakref.WeakSet()
 
 
 class Compilation(event.Listener):
-    """Count and time of tweezer's functions as they are compiled."""
+    """Number of tweezer's functions that were compiled, and the time that it took."""
 
     def __init__(self, say: Callable[[Compilation], None]) -> None:
         """say: called with this object when the compilation of a function begins."""
@@ -58,7 +58,7 @@ class Compilation(event.Listener):
         return self._spent + (time.perf_counter() - self._began if self._within else 0.0)
 
     def on_start(self, begun: event.Event) -> None:
-        """Event of Numba: a compilation begins."""
+        """Count a function whose compilation begins; an event of Numba."""
         dispatcher = begun.data["dispatcher"]
         if not _ours(dispatcher):
             return
@@ -71,7 +71,7 @@ class Compilation(event.Listener):
         self._say(self)
 
     def on_end(self, ended: event.Event) -> None:
-        """Event of Numba: a compilation has ended, or failed."""
+        """Count a function whose compilation has ended or failed; an event of Numba."""
         dispatcher = ended.data["dispatcher"]
         if not _ours(dispatcher):
             return
@@ -92,21 +92,23 @@ class _Uncollected(event.Listener):
         self._enabled = False
 
     def on_start(self, begun: event.Event) -> None:  # noqa: ARG002
-        """Event of Numba: a compilation begins."""
+        """Pause garbage collection when a compilation begins; an event of Numba."""
         if not self._within:
             self._enabled = gc.isenabled()
             gc.disable()
         self._within += 1
 
     def on_end(self, ended: event.Event) -> None:  # noqa: ARG002
-        """Event of Numba: a compilation has ended, or failed."""
+        """Resume garbage collection when the outermost compilation ends; an event of Numba."""
         self._within -= 1
         if not self._within and self._enabled:
             gc.enable()
 
 
 def compilation(say: Callable[[Compilation], None]) -> AbstractContextManager[Compilation]:
-    """Watch compilation within the context; `say` is called when that of a function begins."""
+    """Watch compilation within the context; `say` is called when the compilation of a function
+    begins.
+    """
     installed: AbstractContextManager[Compilation] = event.install_listener(
         "numba:compile", Compilation(say)
     )
@@ -114,31 +116,33 @@ def compilation(say: Callable[[Compilation], None]) -> AbstractContextManager[Co
 
 
 def found() -> int:
-    """Number of tweezer's functions that this process loaded from the cache."""
+    """Return the number of tweezer's functions that this process loaded from the cache."""
     return sum(sum(each.stats.cache_hits.values()) for each in stored if _ours(each))
 
 
 def kept() -> bool:
-    """Whether this process compiled functions of tweezer's that the next ones load."""
+    """Return whether this process compiled functions of tweezer that later processes can load."""
     return _notice.compiled > 0 and not not_kept.cache_info().currsize
 
 
 @functools.cache
 def not_kept(why: str) -> None:
-    """Warn, once, that what is compiled is not kept."""
+    """Warn, once, that compiled functions are not stored; why: the reason."""
     warn(f"what is compiled is not kept: {why}", UserWarning)
 
 
 def _ours(dispatcher: Dispatcher) -> bool:
+    """Return whether a compiled function is tweezer's."""
     return str(dispatcher.py_func.__module__).partition(".")[0] == "tweezer"
 
 
 def _is_stored(dispatcher: Dispatcher) -> bool:
+    """Return whether a cache stores a compiled function."""
     return dispatcher.stats.cache_path is not None
 
 
 def _folder_of_these_sources() -> str:
-    """Folder of Numba's own cache for the present state of tweezer's sources."""
+    """Return the folder of Numba's own cache for the present state of tweezer's sources."""
     from platformdirs import user_cache_path
 
     digest = hashlib.sha256()
@@ -151,7 +155,10 @@ def _folder_of_these_sources() -> str:
 
 
 def _find_place() -> None:
-    """Give Numba a folder: it refuses to define a cached function without one."""
+    """Choose a folder for Numba's cache: it refuses to define a cached function without one.
+
+    If no usual folder can be written, a temporary one is used until the process ends.
+    """
     try:
         numba.njit(cache=True)(_find_place)
     except RuntimeError:
@@ -165,12 +172,14 @@ def _find_place() -> None:
 
 
 def _tell(compiling: Compilation) -> None:
+    """Log a notice that functions are being compiled, unless it takes only a moment."""
     if compiling.seconds > _PATIENCE:  # no notice for a moment's work
         _tell_once()
 
 
 @functools.cache
 def _tell_once() -> None:
+    """Log the notice that functions are being compiled, once in a process."""
     _log.warning("compiling, once: the next runs load it (`tweezer warmup` does it ahead)")
 
 

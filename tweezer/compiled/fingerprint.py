@@ -1,4 +1,4 @@
-"""A digest of everything that a compiled function is compiled from."""
+"""Digest of everything that a compiled function is compiled from."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ _PLAIN = (int, float, complex, str, bytes, bool, type(None), type(Ellipsis), ran
 
 
 def fingerprint(*values: Any) -> str:
-    """Digest of functions and of everything they use: code, constants, functions they call.
+    """Return a digest of functions and of everything they use: code, constants, functions they
+    call.
 
     A called function is looked up by name, as Numba does: in a closure, in the globals of the
     module, or as an attribute of a module. Functions of other libraries enter by name alone. Raises
@@ -37,7 +38,7 @@ def fingerprint(*values: Any) -> str:
 
 
 def name_by_values(function: Any) -> None:
-    """Name a closure after its values.
+    """Append a digest of a closure's values to its name.
 
     Numba distinguishes the machine code of closures by a counter of the process, so a function
     cached by one process could call the closure of another (Numba issue 10486).
@@ -48,9 +49,9 @@ def name_by_values(function: Any) -> None:
 
 
 def _parts(value: Any, seen: set[int]) -> Iterator[str]:
-    """Description of a value, the same in every process.
+    """Yield a description of a value, in pieces, that is the same in every process.
 
-    seen: functions already described.
+    seen: identities of the functions already described, to which this one adds.
     """
     if isinstance(value, _PLAIN):
         yield repr(value)
@@ -85,6 +86,9 @@ def _parts(value: Any, seen: set[int]) -> Iterator[str]:
 
 
 def _of_function(function: types.FunctionType, seen: set[int]) -> Iterator[str]:
+    """Yield a description of a Python function: code, defaults, closure and the globals that it
+    reads.
+    """
     yield from _of_code(function.__code__)
     yield from _parts(function.__defaults__, seen)
     yield from _parts([cell.cell_contents for cell in function.__closure__ or ()], seen)
@@ -104,6 +108,7 @@ def _of_function(function: types.FunctionType, seen: set[int]) -> Iterator[str]:
 
 @functools.cache
 def _of_code(code: types.CodeType) -> list[str]:
+    """Return a description of a code object and of those within it."""
     parts = [
         code.co_code.hex(),
         repr((code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)),
@@ -116,7 +121,7 @@ def _of_code(code: types.CodeType) -> list[str]:
 
 @functools.cache
 def _names(code: types.CodeType) -> set[str]:
-    """Names that the code of a function reads from its globals or from a module."""
+    """Return the names that the code of a function reads from its globals or from a module."""
     names = set(code.co_names)
     for constant in code.co_consts:
         if isinstance(constant, types.CodeType):
@@ -125,12 +130,15 @@ def _names(code: types.CodeType) -> set[str]:
 
 
 def _ours(value: Any) -> bool:
+    """Return whether a function or class is tweezer's or a user's."""
     return _may_change(str(value.__module__))
 
 
 @functools.cache
 def _may_change(module: str) -> bool:
-    """Whether a module is tweezer's or a user's. Other libraries change only with their version."""
+    """Return whether a module is tweezer's or a user's; other libraries change only with their
+    version.
+    """
     if module.partition(".")[0] in ("tweezer", "__main__"):
         return True
     path = getattr(sys.modules.get(module), "__file__", None)

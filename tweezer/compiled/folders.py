@@ -1,4 +1,6 @@
-"""The files of compiled functions that tweezer has kept, wherever Numba put them."""
+"""Files of compiled functions that tweezer has stored, in every folder that Numba may
+have chosen.
+"""
 
 from __future__ import annotations
 
@@ -19,15 +21,15 @@ UNFINISHED = re.compile(rf"{_FUNCTION}\.[0-9a-f]{{16}}\.nbc\.[0-9a-f]{{16}}")
 
 
 def kept() -> list[Path]:
-    """Every file of compiled functions of tweezer that is found.
+    """Return every file of tweezer's compiled functions.
 
-    Beside the sources, in the user's cache folder, and in NUMBA_CACHE_DIR if it is set.
+    They are beside the sources, in the user's cache folder, and in NUMBA_CACHE_DIR if it is set.
     """
     return [each for folder in folders() for each in _of_functions(folder)]
 
 
 def folders() -> list[Path]:
-    """Folders where such files are, or could be: there may be several for each of sources."""
+    """Return the existing folders for such files; each folder of sources may have several."""
     where: list[type] = [caching.InTreeCacheLocator, caching.UserWideCacheLocator]
     if numba.config.CACHE_DIR:
         where.insert(0, caching.UserProvidedCacheLocator)
@@ -42,7 +44,7 @@ def is_own(folder: Path) -> bool:
 
 
 def _of_sources() -> Iterator[Path]:
-    """Folders of the modules of tweezer, and of the emitted ones."""
+    """Yield the folders of tweezer's modules, and of the emitted modules."""
     package = Path(__file__).parents[1]
     emitted = importlib.import_module("tweezer.generated").__path__
     for top in (package, *map(Path, emitted)):
@@ -51,6 +53,7 @@ def _of_sources() -> Iterator[Path]:
 
 
 def _of_functions(folder: Path) -> list[Path]:
+    """Return the files of compiled functions in a folder, also unfinished ones, sorted."""
     return sorted(
         each
         for each in folder.iterdir()

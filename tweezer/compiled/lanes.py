@@ -30,23 +30,30 @@ LANES = 8
 
 
 def _vector(element: Any) -> Any:
-    """Type of eight numbers, or words, in the processor."""
+    """Return LLVM's type of a vector of eight elements."""
     return ir.VectorType(element, LANES)
 
 
 def _repeated(builder: Any, number: Any) -> Any:
+    """Emit code that fills a vector with one number, eight times."""
     zeros = ir.Constant(_vector(number.type), None)
     first = builder.insert_element(zeros, number, ir.Constant(ir.IntType(32), 0))
     return builder.shuffle_vector(first, zeros, _mask([0] * LANES))
 
 
 def _mask(entries: Iterable[int]) -> Any:
+    """Return the constant vector of indices by which LLVM's shuffle selects elements of two
+    vectors.
+    """
     chosen = list(entries)
     return ir.Constant(ir.VectorType(ir.IntType(32), len(chosen)), chosen)
 
 
 def _combined(builder: Any, instruction: str, kinds: Any, values: Any) -> Any:
-    """Two lanes, or lanes and a number, combined; or words. A product may be fused with a sum."""
+    """Emit an arithmetic instruction on two vectors, or on a vector and a number that is repeated.
+
+    kinds: Numba's types of the two values. Floating-point products may be fused with sums.
+    """
     a, b = (
         value if isinstance(kind, Lanes) else _repeated(builder, value)
         for kind, value in zip(kinds, values, strict=True)
@@ -56,7 +63,7 @@ def _combined(builder: Any, instruction: str, kinds: Any, values: Any) -> Any:
 
 
 class Lanes(types.Type):
-    """Numba's type of eight numbers, or words."""
+    """Numba's type of a vector of eight numbers, or of eight 64-bit words."""
 
 
 #: Of this whole file. A function that adds lanes does not name the code here that adds them, so the
@@ -67,43 +74,52 @@ _LANES, _WORDS = Lanes(f"Lanes {_DIGEST}"), Lanes(f"Words {_DIGEST}")
 
 
 def _element(kind: Any) -> Any:
+    """Return LLVM's type of an element: a double for numbers, an integer of 64 bits for words."""
     return ir.DoubleType() if kind is _LANES else ir.IntType(64)
 
 
 @register_model(Lanes)
 class _Model(models.PrimitiveModel):
-    """Eight numbers in a register."""
+    """Representation of a vector in compiled code: eight elements in a register."""
 
     def __init__(self, manager: Any, numba_type: Any) -> None:
         super().__init__(manager, numba_type, _vector(_element(numba_type)))
 
 
 def _place(context: Any, builder: Any, kinds: Any, array: Any, at: Any) -> Any:
-    """Address of eight entries of a contiguous array, from its entry `at` on."""
+    """Emit the address of eight entries of a contiguous array, beginning at its entry `at`.
+
+    kinds: Numba's types of the arguments, the array first.
+    """
     data = context.make_array(kinds[0])(context, builder, array).data
     vector = _vector(context.get_value_type(kinds[0].dtype))
     return builder.bitcast(builder.gep(data, [at]), vector.as_pointer())
 
 
 def _load(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    """Emit code that loads eight entries of a contiguous array; values: the array and the first
+    index.
+    """
     return builder.load(_place(context, builder, signature.args, *values), align=8)
 
 
 @intrinsic
 def lanes(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
-    """Eight numbers of a contiguous array, from its entry `at` on; all axes count as one."""
+    """Load eight consecutive numbers of a contiguous array, from its flat index `at` on."""
     return _LANES(array, types.intp), _load
 
 
 @intrinsic
 def words(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
-    """Eight words of a contiguous array of one axis of integers, from its entry `at` on."""
+    """Load eight consecutive words of a contiguous one-dimensional array of integers, from index
+    `at` on.
+    """
     return _WORDS(array, types.intp), _load
 
 
 @intrinsic
 def store(typing: Any, array: Any, at: Any, value: Any) -> Any:  # noqa: ARG001
-    """Write eight numbers, or words, into a contiguous array, as they are read."""
+    """Store eight numbers, or words, in a contiguous array, from its flat index `at` on."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         place = _place(context, builder, signature.args, *values[:2])
@@ -115,7 +131,11 @@ def store(typing: Any, array: Any, at: Any, value: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def transposed(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
-    """Columns of eight rows of eight numbers of a contiguous array, from its entry `at` on."""
+    """Load eight rows of eight numbers from the flat index `at` on; return their columns, eight
+    vectors.
+
+    In each of three rounds, pairs of vectors exchange blocks of 1, 2 and then 4 elements.
+    """
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         array, at = values
@@ -139,7 +159,7 @@ def transposed(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def spread(typing: Any, number: Any) -> Any:  # noqa: ARG001
-    """One number, or word, eight times."""
+    """Return a vector with one number, or word, eight times."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         return _repeated(builder, values[0])
@@ -151,7 +171,7 @@ def spread(typing: Any, number: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def total(typing: Any, value: Any) -> Any:  # noqa: ARG001
-    """The sum of the eight."""
+    """Return the sum of eight numbers; halves are added until one number is left."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         left, width = values[0], LANES
@@ -168,7 +188,7 @@ def total(typing: Any, value: Any) -> Any:  # noqa: ARG001
 
 
 def _of_llvm(builder: Any, name: str, values: Any) -> Any:
-    """What a function of LLVM's makes of lanes."""
+    """Emit a call of a function that LLVM provides, by its name, and return its result."""
     kind = ir.FunctionType(values[0].type, [value.type for value in values])
     function = builder.module.globals.get(name) or ir.Function(builder.module, kind, name)
     return builder.call(function, values)
@@ -176,7 +196,7 @@ def _of_llvm(builder: Any, name: str, values: Any) -> Any:
 
 @intrinsic
 def root(typing: Any, value: Any) -> Any:  # noqa: ARG001
-    """The square root of each."""
+    """Return the square roots of eight numbers."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         return _of_llvm(builder, f"llvm.sqrt.v{LANES}f64", values)
@@ -186,7 +206,7 @@ def root(typing: Any, value: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def rotated(typing: Any, value: Any, bits: Any) -> Any:  # noqa: ARG001
-    """Words rotated to the left."""
+    """Return eight words, each rotated to the left by a number of bits."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         by = _repeated(builder, values[1])
@@ -196,6 +216,8 @@ def rotated(typing: Any, value: Any, bits: Any) -> Any:  # noqa: ARG001
 
 
 def _same_bits(kind: Any) -> Any:
+    """Return a function that emits the reinterpretation of eight elements as another type."""
+
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         return builder.bitcast(values[0], _vector(_element(kind)))
 
@@ -204,19 +226,19 @@ def _same_bits(kind: Any) -> Any:
 
 @intrinsic
 def as_lanes(typing: Any, value: Any) -> Any:  # noqa: ARG001
-    """The numbers whose bits are these words."""
+    """Return the eight numbers that have the bits of eight words."""
     return _LANES(_WORDS), _same_bits(_LANES)
 
 
 @intrinsic
 def as_words(typing: Any, value: Any) -> Any:  # noqa: ARG001
-    """The bits of numbers."""
+    """Return eight words with the bits of eight numbers."""
     return _WORDS(_LANES), _same_bits(_WORDS)
 
 
 @intrinsic
 def chosen(typing: Any, which: Any, some: Any, others: Any) -> Any:  # noqa: ARG001
-    """Where a word is not 0 the number of `some`, elsewhere that of `others`."""
+    """Return eight numbers: of `some` where the word of `which` is not 0, elsewhere of `others`."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         zeros = ir.Constant(values[0].type, None)
@@ -227,7 +249,7 @@ def chosen(typing: Any, which: Any, some: Any, others: Any) -> Any:  # noqa: ARG
 
 @intrinsic
 def below(typing: Any, a: Any, b: Any) -> Any:  # noqa: ARG001
-    """Words whose bits are set where a number of `a` is below that of `b`, and not elsewhere."""
+    """Return eight words: all bits set where the number of `a` is below that of `b`, else 0."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         return builder.sext(builder.fcmp_ordered("<", *values), _vector(ir.IntType(64)))
@@ -237,7 +259,7 @@ def below(typing: Any, a: Any, b: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def anywhere(typing: Any, value: Any) -> Any:  # noqa: ARG001
-    """Whether any of the words is not 0."""
+    """Return whether any of eight words is not 0."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         zeros = ir.Constant(values[0].type, None)
@@ -250,7 +272,9 @@ def anywhere(typing: Any, value: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def columns(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
-    """The three columns of eight rows of a contiguous array (n, 3), from its entry `at` on."""
+    """Load eight rows of a contiguous array (n, 3), from its flat index `at` on; return three
+    columns.
+    """
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         a, b, c = (
@@ -271,17 +295,24 @@ def columns(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def add_columns(typing: Any, array: Any, at: Any, x: Any, y: Any, z: Any) -> Any:  # noqa: ARG001
-    """Add three columns to eight rows of a contiguous array (n, 3), from its entry `at` on."""
+    """Add three columns to eight rows of a contiguous array (n, 3), from its flat index `at` on."""
     return types.none(array, types.intp, _LANES, _LANES, _LANES), _rows_stored(add=True)
 
 
 @intrinsic
 def store_columns(typing: Any, array: Any, at: Any, x: Any, y: Any, z: Any) -> Any:  # noqa: ARG001
-    """Write three columns as eight rows of a contiguous array (n, 3), from its entry `at` on."""
+    """Store three columns as eight rows of a contiguous array (n, 3), from its flat
+    index `at` on.
+    """
     return types.none(array, types.intp, _LANES, _LANES, _LANES), _rows_stored(add=False)
 
 
 def _rows_stored(*, add: bool) -> Any:
+    """Return a function that emits the storing of three columns as rows (n, 3).
+
+    add: whether they are added to the entries of the array.
+    """
+
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         array, at, *column = values
         for i in range(3):
@@ -300,14 +331,21 @@ def _rows_stored(*, add: bool) -> Any:
 
 
 def _at(i: int) -> Any:
+    """Return the constant 8 i, the offset of the i-th vector of eight."""
     return ir.Constant(ir.IntType(64), LANES * i)
 
 
 def _give(operation: Any, instruction: str, lanes: Any, number: Any) -> None:
-    """Give lanes, or words, an operation with each other and with numbers of a type."""
+    """Let compiled code apply an operator to vectors, and to a vector and a number.
+
+    instruction: LLVM's name of it. lanes: type of the vectors. number: class of Numba's types of
+    numbers.
+    """
 
     @type_callable(operation)
     def typed(context: Any) -> Any:  # noqa: ARG001
+        """Declare the type of the result to Numba."""
+
         def of(a: Any, b: Any) -> Any:
             kinds = a is lanes, b is lanes
             others = [kind for kind, own in zip((a, b), kinds, strict=True) if not own]
@@ -338,9 +376,11 @@ for _operation, _instruction in (
 
 @type_callable(operator.neg)
 def _negated_type(context: Any) -> Any:  # noqa: ARG001
+    """Declare to Numba that the negative of a vector of numbers is one."""
     return lambda a: _LANES if a is _LANES else None
 
 
 @lower_builtin(operator.neg, _LANES)
 def _negated(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
+    """Emit the negative of a vector of numbers."""
     return builder.fneg(values[0])

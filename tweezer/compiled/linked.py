@@ -1,4 +1,5 @@
-"""Functions that only compiled code calls: linked into it, with no machine code of their own.
+"""Functions that only compiled code calls: linked into their callers, without machine code of their
+own.
 
 Numba makes machine code of each function, also of those that compiled code alone calls, and loads
 it. Code of another function that was compiled with a copy of its own is then bound to the first
@@ -18,28 +19,31 @@ _KIND = "linked"
 
 
 class _Entry:
-    """Stands for the address that such a function does not have: Numba looks it up by that."""
+    """Placeholder for the address that a linked function lacks: Numba looks the
+    function up by it.
+    """
 
 
 class _Linked(JITCodeLibrary):
-    """Numba's code library, without machine code."""
+    """Numba's code library of a function, without machine code."""
 
     def _optimize_final_module(self) -> None:
-        """Leave it to the module that it is linked into."""
+        """Do nothing: the code is optimised in the module that it is linked into."""
 
     def _finalize_final_module(self) -> None:
+        """Complete the module without making machine code of it."""
         self._finalize_dynamic_globals()
         self._verify_declare_only_symbols()
         self._finalized = True
 
     def serialize_using_object_code(self) -> tuple[str, str, bytes]:
-        """What is kept in the cache: its name and LLVM's bitcode."""
+        """Return the library as the cache stores it: name, kind and LLVM's bitcode."""
         self._ensure_finalized()
         return self.name, _KIND, self._final_module.as_bitcode()
 
 
 class LinkingCompiler(Compiler):
-    """Numba's compiler; what has the flag `no_compile` is only to be linked."""
+    """Numba's compiler, which makes no machine code of a function with the flag `no_compile`."""
 
     def compile_extra(self, function: Any) -> Any:
         """Compile a function, as `numba.core.compiler.compile_extra` asks for it."""
@@ -50,7 +54,7 @@ class LinkingCompiler(Compiler):
 
 
 def with_entry(result: CompileResult) -> CompileResult:
-    """Let compiled code find a function that is only to be linked."""
+    """Register a function that is only linked, so that compiled code finds it."""
     result = result._replace(entry_point=_Entry())
     result.target_context.insert_user_function(result.entry_point, result.fndesc, [result.library])
     return result
@@ -63,12 +67,14 @@ def set_environments(result: CompileResult) -> None:
 
 
 def is_linked(kept: tuple[Any, ...]) -> bool:
-    """Whether what the cache has, Numba's tuple of a compiled function, is only to be linked."""
+    """Return whether the cached parts of a compiled function, Numba's tuple, are of one that is
+    only linked.
+    """
     return bool(kept[0][1] == _KIND)
 
 
 def rebuilt(context: Any, kept: tuple[Any, ...]) -> CompileResult:
-    """The function of which the cache has `kept`; as `CompileResult._rebuild`."""
+    """Return a linked function from its cached parts; corresponds to `CompileResult._rebuild`."""
     (name, _, bitcode), descriptor, environment, signature, objectmode, lifted, *others = kept
     annotation, reload_init, referenced = others
     for initialise in reload_init:

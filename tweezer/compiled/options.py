@@ -15,13 +15,16 @@ _by_all_values = TargetConfig.__eq__
 
 
 def _equal(one: TargetConfig, other: object) -> Any:
+    """Return whether two sets of options have the same values, comparing those that are
+    set first.
+    """
     if isinstance(other, TargetConfig) and one._values == other._values:
         return True
     return _by_all_values(one, other)
 
 
 def compare_by_what_is_set() -> None:
-    """Let Numba's options be compared so."""
+    """Replace the comparison of Numba's options by one that compares the options that are set."""
     kind: Any = TargetConfig
     kind.__eq__ = _equal
     kind.__hash__ = lambda _: hash(TargetConfig)  # as Numba's, the same for all values

@@ -42,9 +42,10 @@ def share(folder: Path | None) -> None:
 
 
 def claim(name: str, dispatcher: Any) -> bool:
-    """Wait until no other process compiles the variant of that name; whether compiling is shared.
+    """Wait until no other process compiles the variant of that name; return whether compiling is
+    shared.
 
-    The wait counts as compiling.
+    dispatcher: its function. The wait counts as compiling.
     """
     if _lock.folder is None:
         return False
@@ -64,7 +65,9 @@ def claim(name: str, dispatcher: Any) -> bool:
 
 
 def release() -> None:
-    """Let the other process have what this one compiled last."""
+    """Release the lock, so that the other process can load the function that this one compiled
+    last.
+    """
     if _lock.held is not None:
         os.close(_lock.held)
         _lock.held = None

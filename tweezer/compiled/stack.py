@@ -1,4 +1,4 @@
-"""Short arrays on the stack of compiled functions: they cost nothing to make."""
+"""Short arrays on the stack of compiled functions, which need no allocation."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ _LINE = 64
 
 @intrinsic(prefer_literal=True)
 def on_stack(typing: Any, count: Any, dtype: Any) -> Any:  # noqa: ARG001
-    """An array of so many numbers of a type, a constant, until the function returns; not filled.
+    """Return an array on the stack of `count` elements of a type, not initialised.
 
-    It must not be returned. In a loop it is the same memory each time.
+    The count must be a constant. The array is valid until the function returns, and must not be
+    returned; in a loop it is the same memory in every round.
     """
     if not isinstance(count, types.IntegerLiteral):
         return None
@@ -44,7 +45,7 @@ def on_stack(typing: Any, count: Any, dtype: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def borrowed(typing: Any, value: Any) -> Any:  # noqa: ARG001
-    """The same arrays without reference counts: to read and write, while a caller owns them.
+    """Return the same arrays without reference counts, to read and write while a caller owns them.
 
     value: a tuple of arrays, numbers and such tuples. Compiled code counts references wherever it
     names an array, which costs more than short work on it.
@@ -57,6 +58,7 @@ def borrowed(typing: Any, value: Any) -> Any:  # noqa: ARG001
 
 
 def _uncounted(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    """Emit a copy of a value in which every array has no owner; kind: Numba's type of the value."""
     if isinstance(kind, types.BaseTuple):
         parts = [
             _uncounted(context, builder, each, builder.extract_value(value, i))

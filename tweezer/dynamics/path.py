@@ -1,6 +1,4 @@
-"""Motion between the output times, from the dense output of its steps, and quantities derived from
-it.
-"""
+"""Motion between the output times, from the dense output of its steps, and derived quantities."""
 
 from __future__ import annotations
 
@@ -177,7 +175,7 @@ class Passage(NamedTuple):
     """Quantities of a motion between output times, or their errors; NaN if undefined."""
 
     largest_speed: float
-    """m/s"""
+    """largest speed, m/s"""
     overshoot: float
     """largest distance beyond the beam's axis, on the side opposite to the start, m"""
     closest_approach: float
