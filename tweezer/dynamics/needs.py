@@ -1,10 +1,10 @@
-"""The needs of models and methods: one table of the facts of a scene against their traits.
+"""Requirements of models and methods: a table of facts of a scene that they cannot follow.
 
-A row of `CHOICES` gives what a key is, where a scene with thermal motion leaves it open. A `Need`
-gives a fact of the scene that a model or method cannot follow, and the refusal in words. A row of
-`MEMORY` gives why a motion cannot have the memory of the fluid. The scene is refused if it names
-the memory; otherwise its motion has no inertia of the fluid. A scene's own validators refuse what
-needs no bound problem (`tweezer.scene.rules`).
+A row of `CHOICES` gives the value of a key that a scene with thermal motion leaves open. A `Need`
+names a fact of the scene that a model or method cannot follow, and words the refusal. A row of
+`MEMORY` gives a reason why a motion cannot have the memory of the fluid. The scene is refused if it
+names the memory; otherwise its motion has no inertia of the fluid. A scene's own validators refuse
+what needs no bound problem (`tweezer.scene.rules`).
 """
 
 from __future__ import annotations
@@ -80,26 +80,24 @@ AnyProblem = TypeVar("AnyProblem", bound=Bound)
 
 @dataclass(frozen=True)
 class Facts:
-    """Facts of a problem, and traits of its model and its method."""
+    """Facts of a problem, with its model and method, that choices and needs depend on."""
 
     problem: Bound
 
     @functools.cached_property
     def model(self) -> Model:
-        """Model of motion that the scene names or that was chosen for it; `full` if it is still
-        open.
-        """
+        """Model that the scene names or was given; `full` if it is open."""
         return MODELS[self.problem.scene.simulation.model or "full"]
 
     @functools.cached_property
     def method(self) -> Method | None:
-        """Method of integration that the scene names or that was chosen for it; None if it is still
-        "auto".
-        """
+        """Method that the scene names or was given; None if it is open."""
         return METHODS.get(self.problem.scene.simulation.method)
 
     def has(self, trait: str) -> bool:
-        """Return whether a method is decided that has a trait."""
+        """Return whether a method is decided and has a trait, a field of `Method` such as
+        "spring_only".
+        """
         return bool(getattr(self.method, trait, False))
 
     @property
@@ -122,7 +120,9 @@ class Facts:
 
     @property
     def scheme(self) -> Scheme:
-        """Scheme of the steps of thermal motion."""
+        """Scheme by which the method takes steps of thermal motion in this model, beside a wall or
+        not.
+        """
         assert self.method is not None
         place = self.model.scheme or self.method.place
         if self.walls:
@@ -158,12 +158,15 @@ class Facts:
 
 
 class Choice(NamedTuple):
-    """Value of a key of `simulation` that a scene with thermal motion leaves open."""
+    """Value for a key of `simulation` that a scene with thermal motion leaves open."""
 
     key: str
+    """name of the key"""
     value: str
     why: str
+    """reason, in words"""
     where: Callable[[Facts], bool] = lambda _: True
+    """whether the row applies, by the facts of the problem"""
 
 
 #: Of each key the first row whose fact is there
@@ -178,32 +181,36 @@ CHOICES = (
 
 
 class Need(NamedTuple):
-    """A fact that a model or a method cannot follow."""
+    """Fact of a scene that a model or a method cannot follow, with the words of the refusal."""
 
     key: str
     """what is refused: "section.name" of a key of the scene, or the name of an argument"""
     unmet: Callable[[Facts], bool]
+    """whether the fact is present, so that the scene is refused"""
     problem: str
-    """in words, with {model} and {where}"""
+    """what is wrong, in words, with {model} and {where}"""
     remedy: Callable[[Facts], str]
-    """in words, one change that mends the scene"""
+    """one change that corrects the scene, in words"""
 
     def refusal(self, its: Facts) -> str:
-        """Return the message."""
+        """Return the message by which the scene is refused."""
         section, _, name = self.key.partition(".")
         value = f" = {getattr(getattr(its.problem.scene, section), name)!r}" if name else ""
         return f"{self.key}{value}: {its.says(self.problem)}; {self.remedy(its)}"
 
 
 def _set(key: str, value: str) -> Callable[[Facts], str]:
+    """Return a remedy that sets a key to a value."""
     return lambda _: f"set {key} to {value}"
 
 
 def _one_of(key: str, allowed: Callable[[Facts], list[str]]) -> Callable[[Facts], str]:
+    """Return a remedy that lists the allowed values of a key and sets it to the first."""
     return lambda its: f"must be {' or '.join(allowed(its))}; set {key} to {allowed(its)[0]}"
 
 
 def _thermal_methods(suits: Callable[[Method], bool]) -> list[str]:
+    """Return the names of the methods for thermal motion that a condition allows."""
     return [each.name for each in methods(thermal=True) if suits(each)]
 
 
@@ -277,11 +284,14 @@ DETERMINISTIC, THERMAL, LINEAR = "deterministic", "thermal", "linear"
 
 
 class Forgotten(NamedTuple):
-    """A fact by which some motions cannot have the memory of the fluid."""
+    """Fact because of which some motions cannot have the memory of the fluid."""
 
     motions: tuple[str, ...]
+    """the motions concerned: `DETERMINISTIC`, `THERMAL`, `LINEAR`"""
     unmet: Callable[[Facts], bool]
+    """whether the fact is present"""
     why: str
+    """reason, in words, with {model} and {method}"""
 
 
 #: For each motion, the first one counts
@@ -305,7 +315,7 @@ MEMORY = (
 
 
 def choice(problem: AnyProblem, key: str) -> tuple[AnyProblem, str]:
-    """Return a problem whose key of `simulation` is decided for thermal motion, and why."""
+    """Return a problem with a key of `simulation` decided for thermal motion, and the reason."""
     its = Facts(problem)
     row = next(each for each in CHOICES if each.key == key and each.where(its))
     return problem.decided(simulation={key: row.value}), f"{row.value}: {row.why}"
@@ -329,10 +339,10 @@ def without_memory(problem: Bound, motion: str) -> str:
 def with_inertia_of_the_fluid(
     problem: AnyProblem, memory: Callable[[AnyProblem], tuple[int, str]]
 ) -> tuple[AnyProblem, str]:
-    """Return a problem of a decided model with what it has of the fluid's inertia, and why.
+    """Return a problem, of a decided model, with its fluid inertia decided, and the reason.
 
-    `memory` gives the number of poles and the reason of a problem that has the memory. Raises
-    `SceneError` if the scene names a memory that cannot be followed.
+    memory: function that returns the number of poles, and the reason, for a problem with memory.
+    Raises `SceneError` if the scene names a memory that cannot be followed.
     """
     medium = problem.scene.medium
     missing = without_memory(problem, THERMAL if problem.scene.forces.brownian else DETERMINISTIC)
@@ -353,12 +363,15 @@ def with_inertia_of_the_fluid(
 
 
 def is_diagonal(rates: Array) -> bool:
-    """Return whether no axis is coupled to another."""
+    """Return whether a matrix (3, 3) couples no axis to another."""
     return np.array_equal(rates, np.diag(np.diag(rates)))
 
 
 def rates_of(equilibrium: Equilibrium, mobility: Array) -> Array:
-    """Return mobility times stiffness, (3, 3) 1/s; entries that are rounding are zero."""
+    """Return mobility times stiffness, (3, 3) 1/s; entries that are only rounding are set to zero.
+
+    mobility: at least (3,), s/kg, along the axes first.
+    """
     stiffness = np.array(equilibrium.stiffness)
     stiffness[np.abs(stiffness) < _ROUNDING * np.abs(stiffness).max()] = 0.0
     return mobility[TRANSLATION, None] * stiffness

@@ -250,7 +250,9 @@ class Walk:
 
     @property
     def _kept(self) -> Integers:
-        """Columns of a state that the end of a run keeps: a sample, and the fluid's memory."""
+        """Columns of a state that are kept for a continued run: the sample and the hidden
+        variables.
+        """
         columns = np.arange(self.layout.width)
         names = [*self.shown.blocks, *(["memory"] if "memory" in self.layout else [])]
         return np.concatenate([columns[self.layout.at(name)] for name in names])
@@ -330,6 +332,11 @@ class Walk:
     def _advance(
         self, states: Array, trajectories: Integers, sample: int, out: Array, plan: Plan
     ) -> None:
+        """Advance `states` from a sample by the steps of `plan`, in place; see `advance`.
+
+        The code that detects losses is compiled when a bead first comes near the boundary: the loop
+        then reports `NEAR`, and the advance is repeated from a copy of the states.
+        """
         force, steps = self._compiled
         before, edge = states.copy(), self.edge._replace(find=crossing.finder_if_compiled())
         rest = self.layout, trajectories, states, sample, out
@@ -368,26 +375,25 @@ class Walk:
 
 
 def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
-    """Brownian motion of the bead of `scene`, with numbers of that seed.
+    """Return the Brownian motion of the bead of `scene`, with random numbers of a seed.
 
-    A scene that names no model gets `full`, whose inertia is exact at any step, and for the method
-    "auto" exponential Heun. Steps are equal, and divide the time from sample to sample. They are a
-    fifth of the fastest time scale of the force at most, at low damping a tenth of a swing, or
-    `simulation.step`; with a rotation, no longer than that allows
-    (`tweezer.dynamics.brownian.rotation`). Beside a wall it is the overdamped model, and the time
-    scale also that of the motion towards the wall where the bead is found
-    (`tweezer.dynamics.brownian.wall`). Under another drag that depends on the place it is the
-    overdamped model and the method of Euler and Maruyama, and a bead diffuses in a step over a
-    twentieth of the length in which the drag changes, at most.
+    A scene that names no model gets `full`, whose inertia is exact at any step, and the method
+    "auto" becomes exponential Heun. Steps are equal and divide the time between samples. They are
+    at most a fifth of the fastest time scale of the force, at low damping a tenth of the time of an
+    oscillation, or `simulation.step`; rotation may require shorter ones
+    (`tweezer.dynamics.brownian.rotation`). Beside a wall the model is overdamped, and the motion
+    towards the wall near the bead is another time scale (`tweezer.dynamics.brownian.wall`). With
+    another drag that depends on the position the model is overdamped, the method is Euler-Maruyama,
+    and a bead diffuses in a step over at most a twentieth of the length in which the drag changes.
 
-    A scene that leaves `medium.inertia` open gets the memory of the fluid with the model `full`
-    where the method takes it.
+    A scene that leaves `medium.inertia` open gets the memory of the fluid with the model `full`, if
+    the method can follow it.
 
-    fewest: smallest number of steps from sample to sample. Numbers are drawn by the count of steps,
-    so a run that goes on with as many steps as before, or more, draws none again.
+    fewest: smallest number of steps between samples. Random numbers are selected by the number of
+    the step, so a continued run with at least as many steps as before repeats none.
 
-    Raises `SceneError` if thermal motion is off, the seed is no whole number from 0 to 2^63 - 1,
-    or what the scene asks for needs a stable equilibrium and there is none.
+    Raises `SceneError` if thermal motion is off, the seed is no whole number from 0 to 2^63 - 1, or
+    the scene requires a stable equilibrium and there is none.
     """
     problem = bound_once(scene)
     check_thermal(problem.scene, seed)
@@ -418,7 +424,10 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
 
 
 def _taken_exactly(problem: Problem, linear: Linearised) -> Linear:
-    """Return the linear part of the equations, which a scheme may take exactly."""
+    """Return the linear part of the equations, which a scheme may integrate exactly.
+
+    Across a wall the diffusion is that of the plane whose radius gives the gap.
+    """
     shaken = linear.diffusion.copy()
     if problem.drag.walls is not None:
         shaken[2] /= 2 * problem.drag.walls.radius**2  # in the plane

@@ -198,6 +198,7 @@ def find(edge, seed, who, at, before, watched, beads, lost):  # type: ignore[no-
         normals(seed, few[:many], at, np.int64(CROSSING), drawn)
         for j in range(many):
             a, b, variance = begun[j], ended[j], wide[j]
+            # a uniform number, from a normal one: below exp(-2 a b/variance) the bead crossed
             chance = 0.5 * math.erfc(drawn[0, j] / math.sqrt(2.0))
             if b <= 0 or chance * math.exp(2 * a * b / variance) < 1:
                 lost[index[j]] = _when(a, abs(b), variance, drawn[1, j], drawn[2, j])

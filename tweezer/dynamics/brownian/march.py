@@ -183,7 +183,8 @@ def loop() -> Any:
         force, steps, plan, weights, edge, who, beads, lost_at, sample, out
     ):
         n, x, normal = out.shape[0], beads.x, beads.normal[: steps.draws]
-        purpose = np.int64(NOISE)  # a constant would be compiled apart
+        # a variable, as Numba would compile `normals` a second time for a constant
+        purpose = np.int64(NOISE)
         watched = not crossing.all_far(edge, x, n)
         before, lost = np.empty((3, x.shape[1])), np.empty(n)
         for number in range(out.shape[1]):
@@ -201,7 +202,7 @@ def loop() -> Any:
                 if watched or not crossing.all_far(edge, x, n):
                     if edge.find == 0:
                         return NEAR
-                    for i in range(n):
+                    for i in range(n):  # `find` skips beads that were lost before
                         lost[i] = -1.0 if lost_at[i] < np.inf else 2.0
                     call(edge.find, (edge, plan.seed, who, at, before, watched, beads, lost))
                     for i in range(n):

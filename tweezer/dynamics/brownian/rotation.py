@@ -79,7 +79,7 @@ def _diffuse(plan, trajectories, at, beads):  # type: ignore[no-untyped-def]
                 continue
             w1, w2, w3 = spread * drawn[0, i], spread * drawn[1, i], spread * drawn[2, i]
             half = 0.5 * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
-            # the distribution function of a number is uniform
+            # a uniform number: the distribution function of a normal one
             chance = 0.5 * math.erfc(drawn[3, i] / math.sqrt(2.0))
             if half < 1e-8 or chance * half < math.sin(half):
                 left[i] = False

@@ -28,22 +28,22 @@ Array = NDArray[np.float64]
 NODES = LANES
 #: 1/m!
 INVERSE = np.array([1.0 / math.factorial(m) for m in range(40)])
-#: Relaxation times above which the functions are found from the exponential upwards
+#: Time over the relaxation time above which the functions are computed upwards from the exponential
 LONG = 4.0
-#: Relaxation times after which the exponential is below rounding
+#: Time over the relaxation time above which the exponential is below rounding
 _GONE = 45.0
 #: Number of terms of the series of the last function
 _TERMS = 24
 
 _points, _weights = legendre.leggauss(NODES)
-#: Gauss's nodes of a step, in parts of it
+#: Gauss nodes of a step, as fractions of it
 PLACES = 0.5 + 0.5 * _points
 #: Legendre coefficients of a polynomial on the step by its values at the nodes, (node, coefficient)
 TO_LEGENDRE = np.array([
     [(k + 0.5) * w * legendre.legval(x, [0.0] * k + [1.0]) for k in range(NODES)]
     for x, w in zip(_points, _weights, strict=True)
 ])  # fmt: skip
-#: The U_m of Legendre's polynomials, (coefficient, m)
+#: The U_m of Legendre polynomials P_k on a step, P_k = sum_m U_m (s/h)^m/m!: (k, m)
 TO_POWERS = np.zeros((NODES, NODES))
 for _k in range(NODES):
     _powers = legendre.leg2poly([0.0] * _k + [1.0])
@@ -79,7 +79,8 @@ def relaxed(s, tau, chi):  # type: ignore[no-untyped-def]
         for m in range(NODES):
             chi[m + 1] = INVERSE[m + 1] + chi[m] * per
         return
-    z = -s / tau if tau > 0.0 else 0.0  # and at the begin of a step without inertia
+    # this branch is also taken for tau = 0 at s = 0, where the functions are those of z = 0
+    z = -s / tau if tau > 0.0 else 0.0
     value = 0.0
     for n in range(_TERMS - 1, -1, -1):
         value = value * z + INVERSE[n + NODES + 1]

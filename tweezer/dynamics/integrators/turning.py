@@ -67,10 +67,10 @@ def _angular(modes, s, step, v, powers, chi, out):  # type: ignore[no-untyped-de
     velocity.
 
     out[0]: integral of the angular velocity over the time s, rad. out[1]: angular velocity at s,
-    rad/s; both in the inertial frame. s, step: time since the beginning and length of the step, s.
-    v: (6 modes,) velocities of the modes at the beginning, by axis (three of translation, three of
-    rotation). powers: (6, NODES) the U_m of the slow velocity along these axes, see the module
-    `modes`. chi: (NODES + 1,) workspace.
+    rad/s; both in the inertial frame. modes: relaxation times and weights, (6, modes). s, step:
+    time since the beginning and length of the step, s. v: (6 modes,) velocities of the modes at the
+    beginning, by axis (three of translation, three of rotation). powers: (6, NODES) the U_m of the
+    slow velocity along these axes, see the module `modes`. chi: (NODES + 1,) workspace.
     """
     many = modes.times.shape[1]
     for i in range(3):
