@@ -318,9 +318,10 @@ def capture(
     *,
     terminal: bool = False,
 ) -> Event:
-    """The bead comes within `radius`, m, of `centre` and stays for `time`, s.
+    """Return the event that the bead comes within `radius` of `centre` and stays there for `time`.
 
-    Each a number, or with its unit.
+    Each argument is a number, in m or s, or a quantity with its unit. terminal: whether the event
+    ends the run.
     """
     radius, time = in_si("radius", radius, "m"), in_si("time", time, "s")
     place = numbers_in_si("centre", centre, "m", SceneError)

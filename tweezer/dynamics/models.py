@@ -378,6 +378,9 @@ class EquationsOfMotion(Shown):
         curvature = any(name.endswith("curvature") for name in names)
 
         def evaluate(times: Array, states: Array) -> list[Sequence[Array] | Array]:
+            """Return the inputs at times (n,), s, and states (n, state), in the order
+            of `names`.
+            """
             self.force_calls += len(states)
             turned = None
             if self._asks_orientation and self.rotates:

@@ -38,7 +38,7 @@ class Bound(Protocol):
 
     @property
     def scene(self) -> Scene:
-        """The scene."""
+        """Scene of the problem."""
 
     @property
     def drag(self) -> Drag:
@@ -46,19 +46,19 @@ class Bound(Protocol):
 
     @property
     def force(self) -> Force:
-        """All forces but drag, weight and noise."""
+        """Sum of all forces but drag, weight and noise."""
 
     @property
     def mobility(self) -> Array:
-        """(6,) s/kg and 1/(N m s), at the start."""
+        """Mobilities along the axes, s/kg, and about them, 1/(N m s), at the start, (6,)."""
 
     @property
     def rotates(self) -> bool:
-        """Whether anything turns the bead."""
+        """Whether anything rotates the bead."""
 
     @property
     def equilibrium(self) -> Equilibrium | None:
-        """The stable equilibrium nearest the focus."""
+        """Stable equilibrium nearest the focus; None if there is none."""
 
     @property
     def emitted(self) -> ModuleType:
@@ -69,10 +69,10 @@ class Bound(Protocol):
         """Whether the exponential method can integrate the equations of motion."""
 
     def decided(self, **sections: Any) -> Self:
-        """Return the same with what the scene left open."""
+        """Return this problem with values, by section, for keys that the scene left open."""
 
     def remembering(self, poles: int) -> Self:
-        """Return the same in a fluid with memory."""
+        """Return this problem in a fluid with memory, by a number of poles."""
 
 
 AnyProblem = TypeVar("AnyProblem", bound=Bound)

@@ -68,12 +68,12 @@ class Problem:
     """forces beside those of the scene"""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Bind the scene again in another process, which has addresses of its own."""
+        """Return how to bind the scene again in another process, which has addresses of its own."""
         return bound_once, (self.scene, self.others)
 
     @functools.cached_property
     def force(self) -> Force:
-        """The light and the other forces: all but drag, weight and noise."""
+        """Sum of the light's force and the other forces: all but drag, weight and noise."""
         beside = self.beside_the_light
         return Sum((self.light, *beside)) if beside else self.light
 

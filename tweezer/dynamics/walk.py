@@ -233,9 +233,9 @@ class Walk:
         return End.of(time, ",".join(self.columns), (sample, inner), **about)
 
     def go_on(self, begun: Continued, state: Array) -> None:
-        """Fill a state of `start` with that of the end of a run.
+        """Overwrite a state of `start` with the state at the end of the run that is continued.
 
-        Raises `SceneError` if its variables are others.
+        Raises `SceneError` if the hidden variables of the fluid's memory are defined differently.
         """
         begun.check_module(",".join(self.columns))
         own, then = self._hidden_as, np.array(begun.end.memory)
@@ -258,7 +258,7 @@ class Walk:
         return np.concatenate([columns[self.layout.at(name)] for name in names])
 
     def seen(self, states: Array) -> Array:
-        """The samples (n, len(columns)) that states show."""
+        """Return the samples (n, len(columns)) contained in states."""
         return states[:, : self.shown.width]
 
     def lost(self, states: Array) -> Array:
@@ -300,10 +300,10 @@ class Walk:
         return self.exposure.closed(sample * self.per_sample) if self.exposure else 0
 
     def filmed(self, states: Array, trajectories: Integers, sample: int, out: Array) -> Array:
-        """Advance as `advance`, and return what the camera records in the frames that end, (n,
-        frames, axes) m.
+        """Advance as `advance`; return the positions that the camera records, (n, frames, axes) m.
 
-        NaN once a bead is lost; no frames without a camera.
+        They are those of the frames that end meanwhile; NaN once a bead is lost; no frames without
+        a camera.
         """
         if self.exposure is None:
             self.advance(states, trajectories, sample, out)

@@ -180,11 +180,11 @@ class Stokes(Drag):
 
     @property
     def uniform(self) -> bool:
-        """See `Drag.uniform`."""
+        """Whether the drag is the same everywhere: it is."""
         return True
 
     def compiled(self) -> tuple[Kernel, Data]:
-        """See `Drag.compiled`."""
+        """Return the compiled kernel and its data, beta_v and beta_w."""
         return _uniform, packed(self.translation, self.rotation)
 
 

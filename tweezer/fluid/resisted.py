@@ -35,11 +35,11 @@ class Resisted(Force):
 
     @property
     def parts(self) -> tuple[Force, ...]:
-        """See `Force.parts`."""
+        """Forces that this force contains: F."""
         return (self.force,)
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
-        """See `Force.compiled`."""
+        """Return the compiled kernel and its data: force, drag, weight and reference mobilities."""
         return _add_resisted, packed(
             bound(self.force, gradient=gradient), self.drag.part, self.weight, self.reference
         )

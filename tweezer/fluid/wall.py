@@ -42,11 +42,13 @@ class BesideWall(Drag):
 
     @property
     def walls(self) -> Walls:
-        """See `Drag.walls`."""
+        """Planes beside the bead, for schemes of thermal motion: this drag, which
+        describes them.
+        """
         return self
 
     def compiled(self) -> tuple[Kernel, Data]:
-        """See `Drag.compiled`."""
+        """Return the compiled kernel and its data: drag far away, radius and planes."""
         free = self.stokes
         return _beside_walls, packed(free.translation, free.rotation, self.radius, self.planes)
 

@@ -182,6 +182,7 @@ def loop() -> Any:
     def follow(  # type: ignore[no-untyped-def]
         force, steps, plan, weights, edge, who, beads, lost_at, sample, out
     ):
+        """Advance one batch of beads through all samples of `out`; see `loop`."""
         n, x, normal = out.shape[0], beads.x, beads.normal[: steps.draws]
         # a variable, as Numba would compile `normals` a second time for a constant
         purpose = np.int64(NOISE)

@@ -83,6 +83,10 @@ def loop() -> Any:
     def advance(  # type: ignore[no-untyped-def]
         system, tableau, control, y, clock, counts, records
     ):
+        """Take steps until the run ends or the records are full; see `loop`.
+
+        k: (stages, state) rates; the last rate of a step is the first one of the next.
+        """
         adaptive = by_tolerance(control)
         n, stages = y.size, tableau.b.size
         k = np.zeros((stages + 1 + len(tableau.extra), n))

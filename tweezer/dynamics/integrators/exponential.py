@@ -897,6 +897,7 @@ def loop() -> Any:
     def advance(  # type: ignore[no-untyped-def]
         system, how, control, y, clock, counts, records
     ):
+        """Allocate the workspace, and take steps by `_advance`."""
         work, new = _room(how.modes.times.shape[1]), np.empty(y.size)
         found = _advance(*borrowed((system, how, control, y, clock, counts, records, work, new)))
         # `borrowed` drops the reference counts: this use keeps the workspace allocated until here

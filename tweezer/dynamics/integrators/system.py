@@ -295,7 +295,11 @@ class Equations(Protocol):
 
     @property
     def moving(self) -> Force:
-        """The force with which constant mobilities give the velocity."""
+        """Force on the bead; if the drag depends on the position, an equivalent force.
+
+        With the constant mobilities of `relaxation`, the equivalent force gives the same
+        velocities.
+        """
 
     @property
     def name(self) -> str:
@@ -303,7 +307,9 @@ class Equations(Protocol):
 
     @property
     def relaxation(self) -> Any:
-        """Modes of the velocity and their drag, an `exponential.Relaxation`."""
+        """Modes of the velocity and mobilities for the exponential method, an
+        `exponential.Relaxation`.
+        """
 
 
 class Bound(NamedTuple):
