@@ -69,19 +69,19 @@ from tweezer.generated import kinematics
 
 #: Smallest and largest factor from one step to the next, and of a step that Newton did not solve
 _SHRINK, _GROWTH, _UNSOLVED = 0.2, 4.0, 0.4
-#: Rounding of a place, as a part of it
+#: Relative rounding error of a position
 _ROUNDING = 1e-15
-#: Power of the step that its error goes by
+#: Power of the step with which its error scales
 _ORDER = 10.0
-#: Power of the step that the error of a step goes by in which relaxation times stand still
+#: Power of the step with which the error by constant relaxation times scales
 _ORDER_OF_FREEZING = 3.0
 #: Safety factor of the next step
 _SAFETY = 0.85
-#: Error, in what is allowed, above which a step ends at once
+#: Error over the allowed error above which a step is given up before it is solved
 _HOPELESS = 1.5
-#: Part of the tolerance allowed where the bead is slow
+#: Smallest fraction of the tolerance that is allowed, for a slow bead
 _SLOWEST = 1e-2
-#: Number of halvings by which a kink is found
+#: Number of bisections by which a kink is located
 _HALVINGS = 20
 #: First step, over the time in which the force changes
 _FIRST = 0.1
@@ -90,20 +90,21 @@ _FIRST = 0.1
 _LAYER, _LAYERS = 0.5, 50.0
 #: Longer than any run, s
 _FOREVER = 1e9
-#: Effect of the initial layer on the force, in what is allowed, below which steps pass over it
+#: Effect of the initial relaxation over the allowed error, below which the first step ignores it
 _UNSEEN = 0.3
-#: Largest correction of a step that is solved, in what is allowed
+#: Largest correction over the allowed error with which Newton's method has converged
 _SOLVED = 0.02
 #: Factor by which the first correction of a step may leave more than that of the last step did
 _CAUTION = 20.0
-#: Product of a correction and its ratio to the one before, in what is allowed, below which the next
-#: one is not needed
+#: Product of a correction and its ratio to the one before, over the allowed error, below which the
+#: next one is not needed: it estimates its size
 _CONVERGING = 0.025
-#: The same as `_SOLVED` of steps that are given
+#: Likewise for steps of fixed or prescribed length
 _SOLVED_WELL = 1e-4
 #: Largest number of corrections
 _CORRECTIONS = 12
-#: Change of a correction, in what is allowed, at which iteration ends; and the number of its rounds
+#: Change of a correction over the allowed error at which the iteration for it ends, and the largest
+#: number of its rounds
 _ITERATED, _ROUNDS = 0.003, 16
 #: Contraction of the iteration above which elimination is faster, and of Newton's method above
 #: which the step is given up
