@@ -554,10 +554,9 @@ def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Tra
     equilibrium = nearest_stable(places)
     if rings and equilibrium is not None and _off(rings[0]) < _off(equilibrium):
         equilibrium = None
-    drag, gap = None, None
+    drag, gap, absorbed, torque = None, None, None, None
     corner, resonance, quality = None, None, None
     pulled: tuple[Escape, ...] = ()
-    absorbed, torque = None, None
     if equilibrium:
         mobility = problem.mobilities(np.array([equilibrium.position]))[0, TRANSLATION]
         drag = fixed(1 / mobility)
