@@ -10,6 +10,7 @@ import xarray as xr
 from scipy import stats
 
 import tweezer
+from tweezer.calibration.findings import Finding
 from tweezer.results.io import write_result
 
 SCENE = tweezer.load_scene("thesis-990nm").replace(
@@ -442,15 +443,20 @@ def wall(position: float, uncertainty: float = 2e-8) -> tweezer.Surface:
 
 
 def test_walls_are_compared_by_their_standard_uncertainties(tmp_path):
-    """2.6 standard errors of the difference have a probability of 0.93 %, 2.5 of 1.24 %."""
-    apart = 2.6 * np.hypot(2e-8, 1e-8)
+    """2.9 standard errors have a probability of 0.37 %, 2.7 of 0.69 %; twice of two numbers."""
+    apart = 2.9 * np.hypot(2e-8, 1e-8)
     first = tweezer.save(wall(1e-6), tmp_path / "first.json")
-    for other in (wall(1e-6 + apart, 1e-8), wall(1e-6 + apart * 2.5 / 2.6, 1e-8)):
+    for other in (wall(1e-6 + apart, 1e-8), wall(1e-6 + apart * 2.7 / 2.9, 1e-8)):
         found = tweezer.compare(first, other)
-        (position,) = found.quantities
+        position, drag = found.quantities
+        assert drag.difference == 0
         chance = 2 * stats.norm.sf(abs(other.position - 1e-6) / np.hypot(2e-8, 1e-8))
-        assert position.p_value == pytest.approx(chance, rel=1e-3)
-        assert found.agrees == (chance > 0.01)
+        assert position.p_value == pytest.approx(2 * chance, rel=1e-3)  # the largest of two
+        assert found.agrees == (2 * chance > 0.01)
     assert tweezer.compare(first, wall(1e-6)).same
+    with_finding = dataclasses.replace(wall(1e-6), findings=(Finding("undetermined", "by 2"),))
+    assert [each.name for each in tweezer.compare(with_finding, first).quantities] == ["drag"]
+    thinner = dataclasses.replace(wall(1e-6), drag=3e-9)
+    assert not tweezer.compare(first, thinner).agrees
     with pytest.raises(tweezer.ResultError, match="of the kind surface"):
         tweezer.compare(first, tweezer.characterise(tweezer.load_scene("silica-1um")))

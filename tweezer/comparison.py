@@ -533,7 +533,7 @@ def _source(of: Given, name: str) -> Source:
     if isinstance(of, str | Path):
         path = Path(of)
         name = path.name
-        if path.suffix == ".json":
+        if path.suffix.lower() == ".json":
             content = read_json(path)
             kind = kind_of(content)
             if kind is None or not kind.compared:
@@ -812,8 +812,12 @@ def _of_result(
     about: keys and attributes with their values. words: words that must be equal.
     """
     listed = [each for each in result.quantities() if each.of.compared]
-    numbers = {each.of.name.replace("_", " "): _numbers_of(each) for each in listed}
     statistical = any(each.of.kind == STANDARD for each in listed)
+    if statistical:  # a given value has no error, and a finding speaks against its number
+        given = {each.of.name: each.words for each in listed if np.isnan(each.errors).all()}
+        about = about | given
+        listed = [each for each in listed if each.of.name not in given and not each.findings]
+    numbers = {each.of.name.replace("_", " "): _numbers_of(each) for each in listed}
     return Source(name, kind, statistical, about, None, lambda _: Found(numbers, words))
 
 

@@ -218,3 +218,13 @@ def test_no_light_in_a_wall():
 def test_a_time_in_another_unit_is_refused():
     with pytest.raises(ValueError, match="must be convertible to s"):
         tweezer.light(SCENE).field(PLACES, time="1 m")
+
+
+def test_positions_whose_axes_are_in_another_order_are_refused():
+    places = xr.DataArray(
+        [[0.0, 0.0, 3e-7]], dims=("bead", "axis"), coords={"axis": ["x", "y", "z"]}
+    )
+    light = tweezer.light(tweezer.load_scene("silica-1um"))
+    assert light.field(places)["force"].dims == ("bead", "axis")
+    with pytest.raises(ValueError, match="the coordinate axis must be x, y, z in this order"):
+        light.field(places.sel(axis=["z", "y", "x"]))

@@ -169,3 +169,39 @@ def test_a_file_of_another_content_is_refused(tmp_path):
     path.write_text('{"a": 1}')
     with pytest.raises(tweezer.ResultError, match="no result that is known"):
         tweezer.load(path)
+
+
+@pytest.mark.parametrize("entries", [{"a": 1}, [10**400]])
+def test_a_file_with_an_array_of_no_numbers_is_refused(entries, tmp_path):
+    path = tweezer.save(depth(), tmp_path / "depth.json")
+    saved = json.loads(path.read_text())
+    del saved["sha256"]
+    saved["path"][1] = entries
+    path.write_text(json.dumps(saved))
+    with (
+        pytest.warns(UserWarning, match="has no digest"),
+        pytest.raises(tweezer.ResultError, match="not an array of numbers"),
+    ):
+        tweezer.load(path)
+
+
+def test_tuples_that_are_no_result_are_refused(tmp_path):
+    for several in ((calibration(), calibration()), (surface(),), (calibration(), 3)):
+        with pytest.raises(tweezer.ResultError, match="tuple is no result"):
+            tweezer.save(several, tmp_path / "x.json")
+        with pytest.raises(tweezer.ResultError, match="no result that is known"):
+            tweezer.compare(several, calibration())
+
+
+def test_arrays_tables_and_dictionaries_are_no_results(tmp_path):
+    field = tweezer.light(SCENE).field([0, 0, 0])
+    for wrong in (field["force"], field["force"].to_series(), {"scene": 1, "trap": 2}):
+        with pytest.raises(tweezer.ResultError, match="is no result of tweezer"):
+            tweezer.save(wrong, tmp_path / "x.nc")
+
+
+def test_endings_may_be_in_capitals(tmp_path):
+    path = tweezer.save(tweezer.light(SCENE).field([0, 0, 0]), tmp_path / "X.NC")
+    assert "force" in tweezer.load(path)
+    path = tweezer.save(made("trap"), tmp_path / "X.JSON")
+    assert tweezer.compare(path, made("trap")).same

@@ -35,8 +35,8 @@ INFERRED = {
 WALL = Quantity(
     "position", "m", "focus, for the bead's centre in the wall", kind=STANDARD, compared=True
 )
-SHIFT = Quantity("shift", "1", "the bead moves by", kind=STANDARD)
-FAR_DRAG = Quantity("drag", "kg/s", "drag far from the wall", kind=STANDARD)
+SHIFT = Quantity("shift", "1", "the bead moves by", kind=STANDARD, compared=True)
+FAR_DRAG = Quantity("drag", "kg/s", "drag far from the wall", kind=STANDARD, compared=True)
 HEIGHT = Quantity("height", "m", "height", kind=STANDARD)
 
 BOTTOM = Quantity("stiffness", "N/m", "stiffness of its bottom", kind=STANDARD)

@@ -149,6 +149,9 @@ class SceneLight:
 
         Raises `ValueError` for other arrays, and `SceneError` for positions in a wall of the scene.
         """
+        labels: Any = getattr(positions, "coords", ())
+        if "axis" in labels and list(labels["axis"].values) != ["x", "y", "z"]:
+            raise ValueError("positions: the coordinate axis must be x, y, z in this order")
         try:
             array = np.ascontiguousarray(array_in_si(positions, "m"))
         except ValueError as error:

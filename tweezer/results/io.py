@@ -145,11 +145,11 @@ def load_result(path: Path) -> xr.Dataset:
 
     Raises `ResultError` for a file or folder that is no result, is damaged, or lacks a part.
     """
-    if path.suffix == ".zarr":
+    if path.suffix.lower() == ".zarr":
         from tweezer.values.stores import open_store
 
         return checked(open_store(path), f"{path}")
-    if path.suffix not in RESULTS and (kind := kind_of_file(path)):
+    if path.suffix.lower() not in RESULTS and (kind := kind_of_file(path)):
         raise ResultError(f"{path}: is {kind.told}, not a result{kind.way(path.name)}")
     import xarray as xr
 

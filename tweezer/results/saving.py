@@ -56,7 +56,7 @@ def save(result: Any, path: str | Path) -> Path:
     True
     """
     path = Path(path)
-    kind = kind_of(result)
+    kind = None if isinstance(result, dict) else kind_of(result)
     if kind is None:
         name = type(result).__name__
         raise ResultError(f"{path}: cannot be saved: this {name} is no result of tweezer")
@@ -141,7 +141,7 @@ def _loaded(kind: Kind, content: dict[str, Any], path: Path) -> Any:
     module, name = kind.of.split(":")
     of: Any = getattr(importlib.import_module(module), name)
     saved = content[kind.within] if kind.within else content
-    if isinstance(saved, list):
+    if kind.several:
         of = tuple[of, ...]
     try:
         return TypeAdapter(of).validate_python(_with_nan(of, saved))

@@ -54,6 +54,8 @@ class Kind(NamedTuple):
     reader: str = ""
     """module whose functions `content_of` and `result_in` write and read the JSON file; "" for a
     result whose fields are the whole file"""
+    several: bool = False
+    """whether the result is a tuple of objects of that class"""
 
     def way(self, name: str) -> str:
         """Return the end of a sentence on what can be done with the file `name`, from its "; " on.
@@ -79,7 +81,7 @@ KINDS = (
     Kind("calibration", "a calibration", ("axes", "exposure"), compared=True,
          of="tweezer.calibration.results:Calibration"),
     Kind("together", "calibrations of several recordings", ("recordings", "together"),
-         of="tweezer.calibration.together:Together", within="together"),
+         of="tweezer.calibration.together:Together", within="together", several=True),
     Kind("surface", "calibrations that find a wall", ("recordings", "surface"), compared=True,
          of="tweezer.calibration.surface:Surface", within="surface"),
     Kind("fit", "a fit of keys", ("scene", "keys", "log_likelihood"),
@@ -103,14 +105,16 @@ COMPARED = tuple(each for each in KINDS if each.compared)
 def kind_of(result: Any) -> Kind | None:
     """Return the kind of a dataset, of the content of a file of JSON, or of an object.
 
-    A tuple of results has the kind of its entries. Returns None for an unknown kind.
+    A tuple is a result only of a kind with several objects. Returns None for an unknown kind.
     """
-    if hasattr(result, "attrs"):
+    if hasattr(result, "data_vars"):
         return _kind_with({*result.attrs, *result.variables, *result.sizes})
     if isinstance(result, dict):
         return _kind_with(set(result))
-    of = type(result[0] if isinstance(result, tuple) and result else result)
-    return next((each for each in KINDS if each.of == f"{of.__module__}:{of.__qualname__}"), None)
+    several = isinstance(result, tuple)
+    classes = {type(each) for each in (result if several else (result,))}
+    names = {f"{each.__module__}:{each.__qualname__}" for each in classes}
+    return next((each for each in KINDS if names == {each.of} and each.several == several), None)
 
 
 def _kind_with(names: set[Any]) -> Kind | None:
@@ -127,13 +131,13 @@ def kind_of_file(path: Path) -> Kind | None:
     Returns None for an unknown kind.
     """
     try:
-        if path.suffix == SAVED_TRAP:
+        if path.suffix.lower() == SAVED_TRAP:
             return kind_of(_content(path)[0])
-        if path.suffix == ".zarr":
+        if path.suffix.lower() == ".zarr":
             from tweezer.values.stores import names_in_store
 
             return _kind_with(names_in_store(path))
-        if path.suffix == ".nc":
+        if path.suffix.lower() == ".nc":
             from tweezer.values.hdf5 import names_in
 
             return _kind_with(names_in(path))

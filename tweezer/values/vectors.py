@@ -18,10 +18,18 @@ def fixed(values: ArrayLike) -> NDArray[np.float64]:
     return array
 
 
+def _read(values: Any) -> NDArray[np.float64]:
+    """Return the array of a file. Raises `ValueError` if it does not consist of numbers."""
+    try:
+        return fixed(values)
+    except (TypeError, OverflowError) as error:
+        raise ValueError(f"not an array of numbers: {error}") from None
+
+
 #: an array; in a file it is a list of numbers or of lists, with null for NaN
 Vector = Annotated[
     NDArray[np.float64],
-    GetPydanticSchema(lambda *_: core_schema.no_info_plain_validator_function(fixed)),
+    GetPydanticSchema(lambda *_: core_schema.no_info_plain_validator_function(_read)),
 ]
 
 
