@@ -181,7 +181,7 @@ def thermal_outcome(changes: dict[str, dict[str, Any]]) -> str:
     try:
         bound = walk(tweezer.load_scene("silica-1um").replace(**changes), 1)
         # as many samples as the calls allow
-        calls = BEADS * bound.per_sample * max(bound.force_calls, 1)
+        calls = BEADS * bound.per_sample * max(bound.scheme.force_calls, 1)
         samples = min(len(bound.times) - 1, MOST_CALLS // calls)
         if samples == 0:
             return "not followed: too many steps from sample to sample"
