@@ -60,7 +60,9 @@ class Dlvo(Force):
 def _add_dlvo(pose, data, wrench):  # type: ignore[no-untyped-def]
     """Add the force of `Dlvo` along z, as a kernel.
 
-    Entries of `data`: r, m; z of the wall, m; normal, 1 or -1; B/l_D, N; 1/l_D, 1/m; A_H r/6, J m.
+    `data` contains the radius r, m, the wall's position along z, m, and its normal, 1 or -1. The
+    double layer follows with B/l_D, N, and 1/l_D, 1/m. The last entry is A_H r/6, J m, of the van
+    der Waals attraction.
     """
     radius, position, normal = number(data, 0), number(data, 1), number(data, 2)
     push, rate, pull = number(data, 3), number(data, 4), number(data, 5)

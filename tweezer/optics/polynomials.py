@@ -32,12 +32,12 @@ INNER: dict[str, Any] = {"inner": True, "error_model": "numpy", "forceinline": T
 def read(numbers, first, functions, many, found, u, v, gradient, rows, out):  # type: ignore[no-untyped-def]
     """Compute the values of polynomials at the coordinates of up to eight beads, into `out`.
 
-    numbers: with the coefficients of all `functions` of bead i from first[i] on. many: number of
-    beads. found: with the coordinates of the beads on their pieces from the entries u and v on.
-    gradient: whether the derivatives over u and v are wanted too. rows: `ROWS` numbers for each
-    function to work with, twice that with gradients. out: gets eight values of each function, with
-    gradients followed by eight derivatives over u and eight over v; for missing beads they mean
-    nothing.
+    The coefficients of the `functions` of bead i start at `numbers[first[i]]`. `many` is the number
+    of beads. Their coordinates on the pieces start at `found[u]` and `found[v]`.
+
+    `out` receives eight values of each function. With `gradient`, eight derivatives over u and
+    eight over v follow. The entries of missing beads have no meaning. `rows` is work space: `ROWS`
+    numbers for each function, or twice as many with `gradient`.
     """
     kinds, slopes = 3 if gradient else 1, functions * ROWS
     for i in range(many):

@@ -160,7 +160,7 @@ def _facing(scene: Scene) -> bool:
 def ray_optics_caveat(scene: Scene) -> str | None:
     """Return the validity of ray optics in one sentence, with the way to the exact force.
 
-    None where `ray_optics_worth` is None.
+    Returns None if `ray_optics_worth` returns None.
     """
     worth = ray_optics_worth(scene)
     if worth is None:

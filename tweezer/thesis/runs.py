@@ -100,10 +100,10 @@ def in_the_light(scene: Scene, theory: str) -> Scene:
 
 
 def thesis_scene(bead: str, theory: str = "rays") -> Scene:
-    """Return the scene of a bead in the thesis's model: its a2, and its light.
+    """Return the scene of a bead of `BEADS` in the thesis's model: its scaling a2 and its light.
 
-    The light is of 7644 rays with their moment (3.25), or of waves, whose force is then computed at
-    each position, not from a map. bead: one of `BEADS`. theory: one of `THEORIES`.
+    With the theory "rays" the light consists of 7644 rays with the moment (3.25). With another
+    theory of `THEORIES` the force of the waves is computed at each position, without a map.
     """
     scene = load_scene(f"thesis-{bead}")
     if theory == "rays":

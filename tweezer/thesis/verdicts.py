@@ -309,8 +309,9 @@ def _force_sign(evidence: Evidence) -> Judgement:
     def against(run: xr.Dataset) -> float:
         """Return the fraction of samples at which the force along z opposes the displacement z.
 
-        Counted are samples within two radii of the focus, off its plane by more than 5 % of a
-        radius, at which the force exceeds 1 % of its largest. NaN if there are none.
+        Only samples within two radii of the focus count, if they are more than 5 % of a radius
+        away from its plane and the force exceeds 1 % of its largest value. The result is NaN
+        without such samples.
         """
         z = run["position"].sel(axis="z").values
         force = run["net_force"].sel(axis="z").values

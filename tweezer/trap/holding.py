@@ -158,7 +158,9 @@ def adds_nothing(held: Lifetime, without_light: Lifetime | None) -> str:
 def doubt(
     scene: Scene, held: Equilibrium | Ring | None, reach: float, absorbed_power: float | None
 ) -> str | None:
-    """Return what the lifetime leaves out, or why there is none; None if nothing.
+    """Return the effects that the lifetime neglects, or the reason for its absence.
+
+    Returns None if the lifetime exists and neglects nothing.
 
     `held` is the equilibrium or ring that holds the bead, `reach`, m, the distance to which the
     trap was searched, and `absorbed_power`, W, the power that the bead absorbs.

@@ -20,11 +20,10 @@ def of_number(
 ) -> Row:  # fmt: skip
     """Return a line of the summary for a number, with as many digits as its error justifies.
 
-    A value that is not finite is shown as not known.
-
-    error: in the unit of the value; None for a number without an error, such as a given one; NaN or
-    infinite if the error is not known. unit: SI unit. in_tables: whether the unit is that of
-    figures and tables; otherwise it has the prefix that suits the number.
+    A value that is not finite is shown as not known. The value and its error are in the SI unit
+    `unit`. The error is None for a number without an error, such as a given one. An unknown error
+    is NaN or infinite. With `in_tables` the number has the unit of figures and tables. Otherwise
+    its unit has the prefix that suits the number.
     """
     if not math.isfinite(value):
         return Row(name, NOT_KNOWN, "", trusted=False)

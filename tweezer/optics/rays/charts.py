@@ -203,10 +203,12 @@ def beyond(chart: Integers, bounds: Array, reach: float) -> NDArray[np.bool_]:
 def _core(rho, squared, z, numbers, frames):  # type: ignore[no-untyped-def]
     """Return the place of eight beads in the chart of the core.
 
-    The core is the region of the table with the focus near the bead's centre. The place is the
-    block, coordinates x = rho^2 and y = z, the parts of the block's width below x and y, dx/drho,
-    dx/dz, dy/drho and dy/dz. rho, z: of the beads, in radii; squared: rho^2. numbers: of the
-    kernel's data, with the frames of the blocks from the entry `frames` on.
+    The core is the region of the table in which the focus is near the centre of the bead. The
+    result has nine entries: the block; the coordinates x = rho^2 and y = z; the fractions of the
+    block's width below x and y; dx/drho, dx/dz, dy/drho and dy/dz.
+
+    rho and z are positions of the beads in radii, and `squared` is rho^2. The frames of the blocks
+    start at `numbers[frames]` in the data of the kernel.
     """
     zero = spread(0.0)
     _, part_x = _interval(squared, numbers, frames, 0, 1)
@@ -389,10 +391,13 @@ def _piece_of(block, along_x, along_y, integers, roots, index):  # type: ignore[
 def _find(position, at, many, data, gradient, pieces, size, first, there, found):  # type: ignore[no-untyped-def]
     """Find the pieces of up to eight beads and the beads' coordinates on them.
 
-    position: (n, 3) m; at, many: first bead and number of beads. data: of the kernel. gradient:
-    whether derivatives of the coordinates are needed. pieces: begin of the first piece in the data;
-    size: numbers of a piece. first: gets where the piece of each bead begins; there: gets 1, or 0
-    where there is no piece; found: gets the coordinates. Returns whether all of eight have a piece.
+    The beads are the `many` rows of `position` (n, 3), m, that start at row `at`. The first piece
+    starts at entry `pieces` of the kernel's data, and each piece has `size` numbers. With
+    `gradient` the derivatives of the coordinates are computed too.
+
+    `first` receives the entry at which the piece of each bead starts, and `found` its coordinates.
+    `there` receives 1 for a bead with a piece and 0 for a bead without one. Returns whether all
+    eight beads have a piece.
     """
     numbers, integers = data.numbers, data.numbers.view(np.int32)
     roots, index, heads = 2 * begin_of(data, 2), 2 * begin_of(data, 3), uint64(begin_of(data, 4))

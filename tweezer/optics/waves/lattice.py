@@ -417,10 +417,13 @@ def _piece(place, count):  # type: ignore[no-untyped-def]
 def _function(values, at, slope, per_height, x, y, gradient):  # type: ignore[no-untyped-def]
     """Return one function of (rho, z) and its derivatives over x, y, z in 1/k, for eight beads.
 
-    values: as `read` leaves them, the function's from `at` on: itself, and its derivatives over the
-    local coordinates (-1 to 1 on a piece) of z and of rho. slope: (d local/d rho)/rho; per_height:
-    d local/dz; x, y: of the beads; all in 1/k. Without `gradient` the value stands in for the
-    derivatives, which are not read: compiled code always returns four.
+    The output of `read` for this function starts at `values[at]`. It contains the function and its
+    derivatives over the local coordinates of z and rho, which run from -1 to 1 on a piece. `slope`
+    is (d local/d rho)/rho and `per_height` is d local/dz. x and y are positions of the beads. All
+    lengths are in 1/k.
+
+    Compiled code always returns four numbers. Without `gradient` the value replaces the three
+    derivatives, which no caller reads.
     """
     value = lanes(values, at)
     if not gradient:
@@ -433,11 +436,14 @@ def _function(values, at, slope, per_height, x, y, gradient):  # type: ignore[no
 def _put(values, at, functions, x, y, slope, per_height, unit, wavenumber, gradient, parts):  # type: ignore[no-untyped-def]
     """Fill `parts` with a vector of eight beads, force or moment, and its gradient.
 
-    The vector is F_x + i F_y = zeta (f + i h) + conj(zeta) U + zeta^3 V, F_z = g + Re(conj(W)
-    zeta^2), zeta = x + i y; with three functions f, h, g, not nine, the others are 0. values: those
-    of the functions from `at` on, as `read` leaves them. slope, per_height, x, y, gradient: see
-    `_function`. unit: of the vector, N or N m. wavenumber: k, 1/m; the gradient is in unit k.
-    parts: see `polynomials.add_up`.
+    With zeta = x + i y the vector is F_x + i F_y = zeta (f + i h) + conj(zeta) U + zeta^3 V and
+    F_z = g + Re(conj(W) zeta^2). If `functions` is three (f, h, g) instead of nine, U, V and W are
+    zero.
+
+    The output of `read` for these functions starts at `values[at]`. `slope`, `per_height`, x, y and
+    `gradient` are described in `_function`. `unit` is the size of the vector, N or N m, for a value
+    of 1. `wavenumber` is k, 1/m, and the gradient is in units of `unit` times k. `parts` is
+    described in `polynomials.add_up`.
     """
     each = 3 * LANES if gradient else LANES
     f = _function(values, at, slope, per_height, x, y, gradient)
