@@ -24,14 +24,13 @@ from tweezer.results.schema import plain
 from tweezer.scene import by_key
 from tweezer.sweeps.quantities import FAILED, MISSING
 from tweezer.trap.trap import Trap
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
 from tweezer.values.measured import DIMENSIONS, STANDARD, Measured, Result
 from tweezer.values.prefixes import usual_unit
 from tweezer.values.printed import printed
 from tweezer.values.saved import COMPARED, kind_of, read_json, refusal
 from tweezer.values.shown import Card, Row, Shown, Table, clipped
-
-Array = NDArray[np.float64]
 
 #: Probability with which two results of the same statistics are taken to differ
 FALSE_ALARM = 0.01

@@ -16,9 +16,8 @@ from tweezer.dynamics.needs import rates_of
 from tweezer.dynamics.problem import Problem
 from tweezer.fluid import Walls
 from tweezer.forces.wall import Dlvo
+from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
-
-Array = NDArray[np.float64]
 
 #: Number of gaps on the whole line from contact, and number of more gaps next to the trap
 _POINTS = 300

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics.choose import decided
 from tweezer.dynamics.continuing import Begin
@@ -20,8 +19,7 @@ from tweezer.dynamics.problem import Problem
 from tweezer.dynamics.solution import BEFORE
 from tweezer.fluid import left_out_of_walls, other_poles
 from tweezer.scene.choices import METHODS
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: at the lowest order of convergence, 1, half the steps leave half the error; where a force bends
 #: or a table has seams, which does not fall with the step, somewhat more

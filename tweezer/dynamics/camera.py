@@ -23,8 +23,8 @@ from tweezer.dynamics.problem import Problem
 from tweezer.fluid import Modes
 from tweezer.scene import Scene
 from tweezer.scene.sections import Camera
+from tweezer.values.arrays import Array
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 #: Relative rounding of the time of a frame

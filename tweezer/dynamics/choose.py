@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics.layout import TRANSLATION
 from tweezer.dynamics.models import EquationsOfMotion, bind
@@ -11,8 +10,7 @@ from tweezer.dynamics.needs import DETERMINISTIC, Facts, with_inertia_of_the_flu
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.fluid import enough_poles, left_out_of_walls
 from tweezer.scene import FREE, Scene
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: Relative tolerance below which a method of order 8 is the cheaper one
 _TIGHT = 1e-9

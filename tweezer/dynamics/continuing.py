@@ -16,15 +16,13 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
 from tweezer.results.io import scene_in
 from tweezer.results.schema import events_in
 from tweezer.scene import Scene, by_key
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError, SceneError
-
-Array = NDArray[np.float64]
 
 #: Sections of a scene that a state depends on
 _KEPT = ("bead", "medium", "start", "wall")

@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.forces.equilibria import (
     DIRECTIONS,
@@ -19,10 +18,9 @@ from tweezer.forces.equilibria import (
     opposite,
 )
 from tweezer.scene import Scene
+from tweezer.values.arrays import Array
 from tweezer.values.bracketing import maximum
 from tweezer.values.constants import Boltzmann
-
-Array = NDArray[np.float64]
 
 #: Depth of a well, in k_B T, below which thermal motion carries a bead off as if it were not there
 LEAST_DEPTH = 1.0

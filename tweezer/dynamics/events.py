@@ -7,15 +7,13 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics.layout import POSITION
 from tweezer.scene import Scene
 from tweezer.scene.arguments import in_si, numbers_in_si
+from tweezer.values.arrays import Array
 from tweezer.values.errors import IntegrationError, SceneError
 from tweezer.values.units import QuantitiesLike, QuantityLike
-
-Array = NDArray[np.float64]
 
 #: Number of parts into which a time with a change of sign is divided
 _PARTS = 64

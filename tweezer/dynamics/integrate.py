@@ -24,9 +24,8 @@ from tweezer.dynamics.solution import BEFORE, Solver, Steps
 from tweezer.dynamics.timing import timed
 from tweezer.forces.own import fault_of, forget_faults
 from tweezer.scene.choices import METHODS
+from tweezer.values.arrays import Array
 from tweezer.values.errors import IntegrationError, SceneError
-
-Array = NDArray[np.float64]
 
 #: most steps whose dense output is held in memory, some 250 bytes each
 MOST_HELD = 2**18

@@ -16,7 +16,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: Columns of the position, with which every state and every sample begins
 POSITION = slice(0, 3)

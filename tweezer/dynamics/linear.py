@@ -18,12 +18,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.fluid import Modes, modes, single
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from tweezer.values.arrays import Array, Complex
 
 #: Part of an eigenvalue, and of the slowest time of a motion, that is rounding
 _ROUNDING = 1e-9

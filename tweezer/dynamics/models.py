@@ -13,7 +13,6 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.compiled import address, cache_functions
 from tweezer.dynamics.continuing import Begin
@@ -31,12 +30,12 @@ from tweezer.forces.wall import BORN
 from tweezer.generated import kinematics
 from tweezer.scene import Scene
 from tweezer.scene.choices import MODELS
+from tweezer.values.arrays import Array
 from tweezer.values.errors import IntegrationError, SceneError
 from tweezer.values.shown import Card, Row, Shown
 
 cache_functions(kinematics)
 
-Array = NDArray[np.float64]
 
 #: rates carry the tolerance of their coordinate per this time (the thesis's unit of time), s
 RATE_TIME = 1e-3

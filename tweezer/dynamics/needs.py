@@ -16,7 +16,6 @@ from types import ModuleType
 from typing import Any, NamedTuple, Protocol, Self, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics.brownian.batch import Scheme
 from tweezer.dynamics.layout import TRANSLATION
@@ -25,9 +24,8 @@ from tweezer.forces.equilibria import Equilibrium
 from tweezer.forces.force import Force
 from tweezer.scene import Scene
 from tweezer.scene.choices import METHODS, MODELS, Method, Model, at, methods
+from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
-
-Array = NDArray[np.float64]
 
 #: Part of the largest stiffness below which an entry of it is rounding
 _ROUNDING = 1e-9

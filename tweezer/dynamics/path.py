@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics.events import Occurrence, Piece, crossing
 from tweezer.dynamics.layout import POSITION
 from tweezer.dynamics.models import EquationsOfMotion
+from tweezer.values.arrays import Array
 
-Array = NDArray[np.float64]
 #: of ascending times (n,) s, gives (n,)
 Value = Callable[[Array], Array]
 

@@ -10,7 +10,6 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics.emitted import module_of, takes_drag_exactly
 from tweezer.dynamics.layout import TRANSLATION
@@ -35,10 +34,9 @@ from tweezer.optics import Beams, LightForce, light_force
 from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.scene.bead import BeadProperties, bead_properties
 from tweezer.scene.choices import MODELS, POLES
+from tweezer.values.arrays import Array
 from tweezer.values.constants import speed_of_light
 from tweezer.values.errors import SceneError
-
-Array = NDArray[np.float64]
 
 #: Number of places about each focus at which speed and stiffness are evaluated
 _PLACES = 64

@@ -7,17 +7,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics import integrators
 from tweezer.dynamics.integrators import Bound, Control, Records
 from tweezer.dynamics.needs import OF_METHOD, check
 from tweezer.scene.choices import METHODS
+from tweezer.values.arrays import Array
 
 if TYPE_CHECKING:
     from tweezer.dynamics.models import EquationsOfMotion
 
-Array = NDArray[np.float64]
 
 #: Number of steps of the first call of a loop
 _FIRST_STEPS = 128

@@ -17,13 +17,11 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics.brownian.batch import Linear
 from tweezer.dynamics.layout import POSITION, TRANSLATION
 from tweezer.dynamics.problem import Problem
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: Standard deviations from the trap at which circulation is looked for
 _ASIDE = 1.5

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics.beside_wall import Towards, rate_of_sticking, towards, without_walls
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
@@ -28,10 +27,9 @@ from tweezer.dynamics.step_bias import one_call_bias
 from tweezer.fluid import Modes
 from tweezer.scene.choices import METHODS, MODELS, POLES, Method
 from tweezer.scene.sections import MOST_SAMPLES, Simulation
+from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
 from tweezer.values.errors import SceneError
-
-Array = NDArray[np.float64]
 
 #: Step over the fastest time scale of the force
 _PART = 0.2

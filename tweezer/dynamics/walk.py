@@ -30,9 +30,9 @@ from tweezer.forces.force import bound
 from tweezer.forces.own import fault_of, forget_faults
 from tweezer.scene import Scene
 from tweezer.scene.arguments import check_thermal
+from tweezer.values.arrays import Array
 from tweezer.values.errors import IntegrationError, SceneError, warn
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 #: Difference of what hidden variables are that rounding may make, as a part of it

@@ -13,9 +13,7 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING
 
 import numba
-import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from tweezer.dynamics.problem import bound_once
 from tweezer.dynamics.walk import Walk, walk
@@ -37,7 +35,6 @@ from tweezer.values.units import QuantityLike
 if TYPE_CHECKING:
     from distributed import Client
 
-Array = NDArray[np.float64]
 
 #: Number of blocks that are submitted or computed at a time, for each worker
 _AHEAD = 4

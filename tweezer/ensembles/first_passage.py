@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from scipy.special import chdtri, ndtr
 
 from tweezer.scene.arguments import in_si, numbers_in_si
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
 from tweezer.values.shown import Card, Row, Shown
 from tweezer.values.units import QuantitiesLike, QuantityLike
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics.layout import TRANSLATION
 from tweezer.dynamics.walk import Walk
@@ -23,7 +22,6 @@ from tweezer.scene.choices import METHODS
 from tweezer.values.beside import NEW, Part
 from tweezer.values.version import FORMAL, made_by, versions
 
-Array = NDArray[np.float64]
 Attributes = dict[str, Any]
 
 #: Version of the files; those of another version cannot be resumed

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from scipy.fft import prev_fast_len
 
 from tweezer.dynamics.layout import QUANTITIES
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: Largest number of samples in a window of a spectrum
 WINDOW = 2**14

@@ -32,6 +32,7 @@ from tweezer.ensembles.store import (
     sums_of,
 )
 from tweezer.scene import Scene
+from tweezer.values.arrays import Array
 from tweezer.values.beside import telling
 from tweezer.values.errors import TweezerError
 from tweezer.values.stores import checksum
@@ -39,7 +40,6 @@ from tweezer.values.stores import checksum
 if TYPE_CHECKING:
     from distributed import Client
 
-Array = NDArray[np.float64]
 
 #: Samples between two checks for a stop
 _PIECE_SAMPLES = 2**17

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from tweezer.fluid.drag import Drag, stokes
 from tweezer.fluid.wall import BesideWall
 from tweezer.scene import Scene
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 
 def drag(scene: Scene) -> Drag:

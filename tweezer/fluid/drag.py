@@ -19,15 +19,14 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numba import typeof, types
-from numpy.typing import NDArray
 
 from tweezer.compiled import address, cached_njit
 from tweezer.forces.data import DATA, Data, Part, number, packed
 from tweezer.forces.force import POSE, Pose
 from tweezer.scene.sphere import drag_of_rotation, drag_of_translation
+from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
 
-Array = NDArray[np.float64]
 Kernel = Callable[[Any, Data, Any], None]
 
 

@@ -21,13 +21,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.generated import hydrodynamics, memory_poles
+from tweezer.values.arrays import Array, Complex
 from tweezer.values.errors import SceneError
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 #: The emitted drag as Python: it is asked for at some frequencies, which a compiler would not repay
 _drag_of_translation = np.vectorize(hydrodynamics.drag_of_translation.py_func, otypes="dd")

@@ -21,13 +21,10 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.fluid.memory import NODES
 from tweezer.generated import wall
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from tweezer.values.arrays import Array, Complex
 
 #: The emitted mobilities as Python: of one height they would not repay a compiler
 _mobilities = wall.mobilities.py_func

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.compiled import cached_njit, call, named_njit
 from tweezer.fluid.drag import Drag, Kernel, Mobility
 from tweezer.forces.data import Data, packed, part, vector
 from tweezer.forces.force import Force, Wrench, add, bound
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)

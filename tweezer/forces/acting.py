@@ -7,15 +7,13 @@ from typing import Any
 
 import numpy as np
 from numba.core.dispatcher import Dispatcher
-from numpy.typing import NDArray
 
 from tweezer.forces.composed import Differenced
 from tweezer.forces.force import Force, Wrench
 from tweezer.forces.named import named_force
 from tweezer.forces.own import fault_of, forget_faults, own_forces
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ForceError, SceneError
-
-Array = NDArray[np.float64]
 
 #: Number of times at which a force is tried
 _TIMES = 9

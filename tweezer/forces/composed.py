@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.compiled import cached_njit
 from tweezer.forces.data import Data, matrix, number, packed, part, vector
@@ -26,10 +25,9 @@ from tweezer.forces.force import (
     no_wrench,
     numbered,
 )
+from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
 from tweezer.values.units import QuantityLike, array_in_si, in_base_units, to_si
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from numba import typeof
 from numpy.typing import NDArray
 
 from tweezer.compiled import named_njit
+from tweezer.values.arrays import Array
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 #: Columns of `Data.shapes`: first index of an entry, four lengths, address of a part, kind

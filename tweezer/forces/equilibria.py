@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.forces.force import Wrench
+from tweezer.values.arrays import Array
 from tweezer.values.bracketing import zero
 from tweezer.values.vectors import Comparable, Vector, fixed
 
-Array = NDArray[np.float64]
 #: function of points (n, 3) m: all forces but drag, (n, 3) N
 NetForce = Callable[[Array], Array]
 #: function of points (n, 3) m: forces without drag and weight, with `gradient=True` gradients too

@@ -14,12 +14,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numba import typeof, types
-from numpy.typing import NDArray
 
 from tweezer.compiled import address, cached_njit, call, named_njit
 from tweezer.forces.data import DATA, Data, Part
+from tweezer.values.arrays import Array
 
-Array = NDArray[np.float64]
 Kernel = Callable[[Any, Data, Any], None]
 
 

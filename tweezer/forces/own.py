@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numba import njit, types
 from numba.core.dispatcher import Dispatcher
-from numpy.typing import NDArray
 
 from tweezer.compiled import (
     array_at,
@@ -26,10 +25,9 @@ from tweezer.forces import trial
 from tweezer.forces.composed import Differenced, read_argument
 from tweezer.forces.data import DATA, Data, Part, number, packed, part
 from tweezer.forces.force import POSE, WRENCH, Force, Kernel, Pose, Wrench
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ForceError
 from tweezer.values.units import QuantitiesLike, in_base_units, to_si
-
-Array = NDArray[np.float64]
 
 #: Beads for which a function is called at once
 _AT_ONCE = 64

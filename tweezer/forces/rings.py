@@ -20,10 +20,9 @@ from numpy.typing import NDArray
 
 from tweezer.forces.equilibria import AstrayError, NetForce
 from tweezer.forces.force import Force
+from tweezer.values.arrays import Array
 from tweezer.values.printed import printed
 from tweezer.values.vectors import Comparable, Vector, fixed
-
-Array = NDArray[np.float64]
 
 #: Numbers of samples from the axis to the rim of the box, and of heights in a depth of focus
 _ACROSS, _ALONG = 24, 6

@@ -22,14 +22,12 @@ import numpy as np
 from numba import jit
 from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError
-from numpy.typing import NDArray
 
 from tweezer.forces.data import Data
 from tweezer.forces.entries import READERS
 from tweezer.forces.force import Pose, Wrench, no_wrench
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ForceError
-
-Array = NDArray[np.float64]
 
 #: Attributes that read or write memory without a check of the index once compiled
 _UNCHECKED = ("flat", "as_strided", "carray", "farray")

@@ -12,13 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import Chebyshev
-from numpy.typing import NDArray
 
 from tweezer.scene import Scene
 from tweezer.scene.sections import Beam, Lens, Medium
+from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
 
-Array = NDArray[np.float64]
 Profile = Callable[[Array], Array]
 
 #: rho^2/(2 sigma^2) at which beams are cut, sigma as in `Beam`; Gaussian and donut are below 1e-18

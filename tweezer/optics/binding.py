@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.forces.composed import Course, Moved, Sum
 from tweezer.forces.data import Data, packed
@@ -20,9 +19,8 @@ from tweezer.optics.worth import ray_optics_caveat
 from tweezer.scene import Scene
 from tweezer.scene.choices import THEORIES, at, evaluator
 from tweezer.scene.sections import Beam
+from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError, warn
-
-Array = NDArray[np.float64]
 
 #: Time longer than any run, s
 _FOREVER = 1e9

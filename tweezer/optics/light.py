@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.forces.data import Data, Part
 from tweezer.forces.equilibria import Search
@@ -17,9 +16,8 @@ from tweezer.forces.force import Force, Kernel, Wrench, bound, evaluated
 from tweezer.forces.rings import Box
 from tweezer.optics.beam import Cone
 from tweezer.scene.sections import Beam
+from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
-
-Array = NDArray[np.float64]
 
 #: How far the force is searched at least, in lengths of the light
 LENGTHS = 5.0

@@ -6,7 +6,6 @@ import functools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.compiled import address
 from tweezer.forces.data import Data, Part
@@ -14,8 +13,7 @@ from tweezer.forces.force import KERNEL, Kernel, Wrench, bound, evaluated
 from tweezer.optics.beyond import unreached
 from tweezer.optics.light import LightForce
 from tweezer.optics.table import Made
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)

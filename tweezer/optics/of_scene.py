@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.forces.force import Wrench
 from tweezer.optics.binding import Beams, evaluators_of, light_force
 from tweezer.optics.light import LightForce
 from tweezer.results.run import variable, with_error
 from tweezer.scene import Scene, SceneLike, checked_scene
+from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError, warn
 from tweezer.values.printed import in_unit, printed
 from tweezer.values.units import QuantitiesLike, QuantityLike, array_in_si, to_si
@@ -22,7 +22,6 @@ from tweezer.values.version import made_by, versions
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 
 #: How far into a wall a place may lie, in radii: as numbers are rounded
 _ROUNDED = 1e-3

@@ -5,13 +5,11 @@ from __future__ import annotations
 import functools
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.optics.beam import cone
 from tweezer.optics.binding import light_of_one_beam
 from tweezer.scene import Scene
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: Number of lists of places whose forces are kept, over all lights
 _LISTS = 64

@@ -13,17 +13,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.forces.data import Data, Part
 from tweezer.forces.force import Kernel, Wrench
 from tweezer.optics.beam import Cone
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError, warn
 
 if TYPE_CHECKING:
     from filelock import FileLock
 
-Array = NDArray[np.float64]
 Progress = Callable[[float], None]
 AnyMade = TypeVar("AnyMade", bound="Made")
 

@@ -14,16 +14,15 @@ from dataclasses import dataclass
 from importlib import resources
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.optics.beam import cone
 from tweezer.optics.light import LENGTHS
 from tweezer.scene import Scene
 from tweezer.scene.theory import FARTHEST_IN_WAVES, LARGEST_IN_WAVES, largest_wavenumber, no_waves
+from tweezer.values.arrays import Array
 from tweezer.values.printed import printed
 from tweezer.values.shown import Row
 
-Array = NDArray[np.float64]
 Range = tuple[float, float]
 
 #: Range of n_P/n_m in which ray optics was compared with wave optics

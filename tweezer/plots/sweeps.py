@@ -12,12 +12,12 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter
-from numpy.typing import NDArray
 
 from tweezer.plots import style
 from tweezer.results.io import scene_of
 from tweezer.sweeps.quantities import FAILED, MISSING
 from tweezer.trap.quantities import STABLE
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
 from tweezer.values.prefixes import in_tables, typeset
 
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
 
-Array = NDArray[np.float64]
 
 #: A lifetime of an hour, and the longest that is told apart, s
 _HOUR, _LONGEST = 3600.0, 1e10

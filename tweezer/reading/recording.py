@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, NamedTuple, NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.reading import (
     HDF5,
@@ -27,6 +26,7 @@ from tweezer.reading import (
 from tweezer.results.io import check_seal, scene_of
 from tweezer.scene import Scene
 from tweezer.scene.arguments import in_si, name_last, numbers_in_si
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError, TooFewError, warn
 from tweezer.values.hdf5 import check_result
 from tweezer.values.printed import in_unit, printed, signal_unit
@@ -37,7 +37,6 @@ from tweezer.values.units import QuantityLike
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 
 #: Smallest number of samples in a recording
 LEAST_SAMPLES = 100

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
-
-Array = NDArray[np.float64]
 
 #: Largest number of samples; more do not fit into the memory of most machines
 MOST_SAMPLES = 50_000_000

@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 #: Dimensions, values and attributes
 Variable = tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]
 

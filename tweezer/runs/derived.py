@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics import Motion, Problem
 from tweezer.dynamics.layout import TRANSLATION
@@ -11,8 +10,7 @@ from tweezer.forces.acting import name_of
 from tweezer.forces.force import Wrench
 from tweezer.forces.own import fault_of
 from tweezer.results.run import Variable, variable, with_error
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 
 def derived_quantities(

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics import (
     Event,
@@ -47,6 +46,7 @@ from tweezer.runs.derived import derived_quantities, fault_at, force_errors
 from tweezer.runs.summary import force_error_along, stored, summary_of_path
 from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.scene.arguments import check_run, in_si
+from tweezer.values.arrays import Array
 from tweezer.values.errors import IntegrationError, ResultError, SceneError, warn
 from tweezer.values.units import QuantityLike
 from tweezer.values.version import made_by, versions
@@ -56,7 +56,6 @@ if TYPE_CHECKING:
 
     from tweezer.dynamics.walk import Walk
 
-Array = NDArray[np.float64]
 
 #: Gap below which a bead is taken to have touched a wall between two samples, m
 _TOUCHING = 5e-9

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
 from tweezer.dynamics.budget import ErrorBudget
@@ -23,6 +22,7 @@ from tweezer.results.io import scene_in
 from tweezer.results.run import Run
 from tweezer.results.schema import events_in, of_validation
 from tweezer.runs import quantities as known
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
 from tweezer.values.measured import Measured, Result
 from tweezer.values.printed import located, printed, scaled
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
     from tweezer.scene import Scene
 
-Array = NDArray[np.float64]
 
 #: Largest distance of a captured bead from the equilibrium, in radii
 CAPTURE_RADII = 0.1

@@ -16,7 +16,6 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.stats.qmc import Sobol
 
 from tweezer.calibration.findings import REFUTED
@@ -32,14 +31,13 @@ from tweezer.scene.choices import evaluator
 from tweezer.tracking.filter import Bead, Camera, Filtered, kalman_filter
 from tweezer.tracking.profile import JUMP, LEVEL, Profile, below
 from tweezer.tracking.residuals import p_value as p_value_of
+from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
 from tweezer.values.errors import IntegrationError, ResultError, SceneError
 from tweezer.values.printed import in_unit, printed, with_error
 from tweezer.values.rounding import most
 from tweezer.values.shown import Card, Row, Shown
 from tweezer.values.units import TABLE_RADII, QuantitiesLike, QuantityLike
-
-Array = NDArray[np.float64]
 
 #: Probability that a coordinate is a number from anywhere
 _OUTLIERS = 0.01

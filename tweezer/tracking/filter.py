@@ -42,16 +42,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numba import typeof, types
-from numpy.typing import NDArray
 
 from tweezer.compiled import cached_njit, call, named_njit
 from tweezer.dynamics.integrators.system import SYSTEM, act, scratch
 from tweezer.dynamics.layout import POSITION, TRANSLATION
 from tweezer.dynamics.models import EquationsOfMotion
+from tweezer.values.arrays import Array
 from tweezer.values.errors import IntegrationError, SceneError
 from tweezer.values.vectors import Vector
-
-Array = NDArray[np.float64]
 
 #: Longest step of the exponential series, times the norm of the Jacobian
 _SHORT = 0.5

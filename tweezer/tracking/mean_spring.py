@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics.layout import TRANSLATION
 from tweezer.dynamics.problem import Problem
 from tweezer.forces.equilibria import Equilibrium
+from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
-
-Array = NDArray[np.float64]
 
 #: Relative change of the stiffness in a round at which the rounds end; largest number of rounds
 _SETTLED, _MOST_ROUNDS = 1e-7, 50

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from tweezer.values.arrays import Array
 from tweezer.values.errors import IntegrationError
 
-Array = NDArray[np.float64]
 Misfit = Callable[[Array], float]
 
 #: Misfit above the smallest in a 95 % interval: chi-square with one degree of freedom

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.stats.qmc import Sobol
 
@@ -25,10 +24,9 @@ from tweezer.reading.recording import Recording
 from tweezer.scene import Scene, described_at, value_at, with_settings
 from tweezer.tracking.mean_spring import mean_spring
 from tweezer.tracking.whitened import Whitened
+from tweezer.values.arrays import Array
 from tweezer.values.errors import PhysicsWarning, ResultError, SceneError, UnitWarning
 from tweezer.values.units import RefractiveIndex, quantity_of
-
-Array = NDArray[np.float64]
 
 #: Largest factor between a value that is tried and the scene's, or largest distance in radii
 _REACH = 5.0

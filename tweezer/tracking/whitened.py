@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import chdtrc, kolmogorov
 
 from tweezer.calibration.spectra import TrappedBead
 from tweezer.calibration.whittle import Periodogram
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics import Problem, bound_once
 from tweezer.dynamics.escape import Escape
@@ -17,11 +16,10 @@ from tweezer.forces.rings import Ring
 from tweezer.optics import sampled
 from tweezer.scene import Scene
 from tweezer.trap.exit_time import Field, Grid, Region, mean_time
+from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
 from tweezer.values.rounding import micrometres
 from tweezer.values.shown import Card, Row, Shown
-
-Array = NDArray[np.float64]
 
 #: Longest time that is distinguished from an infinite one, s
 LONGEST = 1e20

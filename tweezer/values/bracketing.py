@@ -9,9 +9,8 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: Smallest error of a place, relative to it
 _ROUNDING = 4 * np.finfo(float).eps

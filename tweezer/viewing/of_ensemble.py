@@ -12,6 +12,7 @@ from tweezer.dynamics import bound_once
 from tweezer.ensembles.statistics import error_of_part, joined, moments
 from tweezer.results.io import scene_of
 from tweezer.scene import Scene
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
 from tweezer.viewing.arrays import Packed, float32, uint16
 from tweezer.viewing.content import Content, Row
@@ -22,7 +23,6 @@ from tweezer.viewing.setting import of_the_picture, scene_facts
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
 #: Largest number of positions in a page, 6 bytes each

@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics import Problem, bound_once
 from tweezer.optics import Beams, ray_optics_caveat
@@ -16,6 +15,7 @@ from tweezer.runs.resolved import resolved
 from tweezer.runs.summary import Summary, summary_of
 from tweezer.scene import Scene
 from tweezer.scene.bead import bead_properties
+from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
 from tweezer.values.errors import ResultError
 from tweezer.values.prefixes import per
@@ -28,7 +28,6 @@ from tweezer.viewing.setting import of_the_picture, scene_facts
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 
 #: Part of the largest force below which a force beside light and weight is rounding
 _NOTHING = 1e-9

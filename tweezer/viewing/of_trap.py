@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates, maximum_filter, spline_filter1d
 
 from tweezer.dynamics import Problem, bound_once
@@ -16,14 +15,13 @@ from tweezer.optics import Beams
 from tweezer.optics.light import LightForce
 from tweezer.trap import Escape, Trap
 from tweezer.trap.quantities import LIFETIME, POWER
+from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
 from tweezer.viewing.arrays import float32
 from tweezer.viewing.content import Content, Row
 from tweezer.viewing.heading import heading, of_changes
 from tweezer.viewing.rows import of_number, si
 from tweezer.viewing.setting import of_the_picture, scene_facts
-
-Array = NDArray[np.float64]
 
 #: Number of nodes of a table of one light, for each angle
 _NODES = 10_000

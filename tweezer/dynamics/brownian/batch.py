@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import typeof, types
-from numpy.typing import NDArray
 
 from tweezer.compiled import cached_njit, named_njit
 from tweezer.compiled.lanes import LANES, columns, lanes, store, store_columns
@@ -20,8 +19,7 @@ from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.fluid import Mobility, Walls
 from tweezer.forces.data import Data, Part, packed
 from tweezer.forces.force import Pose, Wrench, add, clear
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 
 class Plan(NamedTuple):

@@ -29,7 +29,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import typeof, types
-from numpy.typing import NDArray
 
 from tweezer.compiled import address, cached_njit, call, named_njit
 from tweezer.dynamics.brownian import memory
@@ -38,8 +37,6 @@ from tweezer.dynamics.brownian.noise import CROSSING, normals
 from tweezer.fluid import Mobility, Modes
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Pose
-
-Array = NDArray[np.float64]
 
 #: Standard deviations of a step beyond which no step goes: the random numbers end at 8.57
 _MOST = 8.6

@@ -32,8 +32,7 @@ from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import TURNS
 from tweezer.dynamics.layout import ROTATION, TRANSLATION, Layout
 from tweezer.forces.data import Part
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: Beads side by side: calls by address cost little for so many, and what they need stays in cache
 _BATCH = 128

@@ -28,13 +28,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.compiled import named_njit
 from tweezer.compiled.lanes import LANES, lanes, spread, store
 from tweezer.dynamics.brownian.coordinate import beyond_spring, led
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: Size of the longest step of the series, norm of the matrix times the step
 _SHORT = 1 / 64

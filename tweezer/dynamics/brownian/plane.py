@@ -31,7 +31,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.compiled import cached_njit, named_njit
 from tweezer.compiled.lanes import (
@@ -51,8 +50,7 @@ from tweezer.fluid.drag import Walls
 from tweezer.fluid.wall import between_walls
 from tweezer.forces.data import Data, number, packed
 from tweezer.generated import wall
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: Bits of the fraction of a number that its interval is known by: 8 intervals from 2^e to 2^(e + 1)
 _BITS = 3

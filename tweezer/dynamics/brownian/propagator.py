@@ -11,15 +11,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cholesky, expm, solve_continuous_lyapunov
 
 from tweezer.dynamics.brownian import memory
 from tweezer.dynamics.layout import POSITION, ROTATION, TRANSLATION
 from tweezer.generated import langevin
+from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
-
-Array = NDArray[np.float64]
 
 #: the longest step of the emitted series, in relaxation times and in 1/|kappa|
 _SHORT = 1 / 64

@@ -12,11 +12,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics.events import Event, Occurrence, ending
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -17,12 +17,9 @@ import math
 
 import numpy as np
 from numpy.polynomial import legendre, polynomial
-from numpy.typing import NDArray
 
 from tweezer.compiled import named_njit
 from tweezer.compiled.lanes import LANES
-
-Array = NDArray[np.float64]
 
 #: Number of Gauss nodes in a step, and of coefficients of a polynomial
 NODES = LANES

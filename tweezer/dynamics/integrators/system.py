@@ -12,7 +12,6 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numba import typeof, types
-from numpy.typing import NDArray
 
 from tweezer.compiled import call, named_njit
 from tweezer.dynamics.continuing import Begin
@@ -20,8 +19,7 @@ from tweezer.dynamics.layout import EULER, Layout
 from tweezer.fluid import Mobility
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Force, Pose, Wrench, add, clear
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 # how a call of a loop ended; or that it has not
 REACHED, FULL, COLLAPSED, NOT_FINITE, EXHAUSTED, GOING_ON = range(6)

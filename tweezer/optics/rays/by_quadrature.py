@@ -6,7 +6,6 @@ import functools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.forces.data import Data
 from tweezer.forces.force import Kernel
@@ -15,8 +14,7 @@ from tweezer.optics.rays.light import RayLight, light_on_bead
 from tweezer.optics.rays.quadrature import VANISHING, quadrature_data, quadrature_kernel
 from tweezer.optics.rays.rule import Rule, rule
 from tweezer.scene import Scene
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: Largest allowed error, in tolerances of |F|
 MISSED = 2.0

@@ -71,8 +71,8 @@ from tweezer.optics.polynomials import (
     put,
     read,
 )
+from tweezer.values.arrays import Array
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 #: Radius of the core, in bead radii

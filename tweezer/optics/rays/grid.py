@@ -13,15 +13,13 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.compiled import cached_njit
 from tweezer.forces.data import Data, matrix, number, packed, vector
 from tweezer.forces.force import KERNEL, Kernel
 from tweezer.optics.rays.ray_sum import SUMS, Rays, Sphere, ray_sum
 from tweezer.optics.turning import put
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: Rays in a tile; a multiple of the vector length of processors
 TILE = 32

@@ -5,9 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from tweezer.forces.data import Data, packed
 from tweezer.forces.equilibria import Search
 from tweezer.forces.force import Kernel
@@ -16,8 +13,7 @@ from tweezer.optics.beam import cone
 from tweezer.optics.light import SPEED_OF_LIGHT, Light, jones_vector
 from tweezer.optics.rays.ray_sum import Rays, Sphere
 from tweezer.scene import Scene
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: Distance up to which the force is sampled evenly, and the spacing of samples, in radii
 _NEAR, _SPACING = 20.0, 0.02

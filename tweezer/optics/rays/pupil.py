@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.optics.beam import intensity, polar_sine_and_cosine
 from tweezer.scene.sections import Beam, Lens, Medium
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 
 @dataclass(frozen=True)

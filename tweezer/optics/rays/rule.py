@@ -13,7 +13,7 @@ import numpy as np
 from numpy.polynomial import Polynomial, chebyshev, legendre
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: Numbers of nodes along x, in the order in which they are tried; multiples of a vector's length. A
 #: tuple shows the compiler that none is negative, which lets it vectorise loops over nodes

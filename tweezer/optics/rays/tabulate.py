@@ -33,12 +33,12 @@ from tweezer.optics.rays import charts
 from tweezer.optics.rays.charts import HEAD, NO_PIECE, Blocks
 from tweezer.optics.rays.quadrature import VANISHING
 from tweezer.optics.table import Evaluate, Progress
+from tweezer.values.arrays import Array
 from tweezer.values.errors import TweezerError
 
 if TYPE_CHECKING:
     pass
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 #: Accept a piece when its estimated error is below this fraction of the tolerance

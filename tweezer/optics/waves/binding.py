@@ -23,8 +23,8 @@ from tweezer.optics.waves.kernel import (
 from tweezer.optics.waves.light import Waves
 from tweezer.optics.waves.nodes import Nodes, Rule
 from tweezer.optics.waves.sphere import mie_coefficients, weights
+from tweezer.values.arrays import Array
 
-Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 #: Error of integrals and sums, as a part of the tolerance: the force is small beside the light

@@ -7,7 +7,6 @@ import functools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.forces.data import Data
 from tweezer.forces.force import Kernel, Wrench
@@ -17,9 +16,8 @@ from tweezer.optics.waves.kernel import absorption, waves_kernel
 from tweezer.optics.waves.light import Waves, waves_on_bead
 from tweezer.scene import Scene
 from tweezer.scene.theory import LARGEST_IN_WAVES, no_rays
+from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
-
-Array = NDArray[np.float64]
 
 #: Largest error that is allowed, in units of the wanted one
 _MISSED = 2.0

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from tweezer.generated import waves
 from tweezer.optics.beam import Cone, behind_face
+from tweezer.values.arrays import Array
 
-Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 

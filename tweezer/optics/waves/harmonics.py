@@ -12,11 +12,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.generated import waves
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 
 class Elements(NamedTuple):

@@ -28,7 +28,6 @@ from dataclasses import dataclass
 import numpy as np
 from numba import int64
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
 from tweezer.compiled import address, cached_njit, named_njit
 from tweezer.compiled.lanes import (
@@ -58,9 +57,8 @@ from tweezer.optics.polynomials import (
     read,
 )
 from tweezer.optics.table import Evaluate, Progress
+from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
-
-Array = NDArray[np.float64]
 
 #: Half-width of a piece, in 1/B, for the tolerance 1e-7
 _HALF_WIDTH = 1.6

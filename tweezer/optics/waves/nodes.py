@@ -19,9 +19,9 @@ from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
 from tweezer.optics.waves.focus import Focus
+from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
 
-Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 #: Degree of the Chebyshev series for which the light in the cone is sampled; largest that is used
