@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -51,6 +51,61 @@ Recordings = Annotated[
         metavar="RECORDING...",
     ),
 ]
+Temperature = Annotated[
+    str | None,
+    typer.Option(help='Temperature of the medium, e.g. "20 degC". Default for a run: its own.'),
+]
+Radius = Annotated[
+    str | None,
+    typer.Option(help='Radius of the bead, e.g. "500 nm". Without it the drag is fitted.'),
+]
+Viscosity = Annotated[
+    str | None,
+    typer.Option(
+        help='Viscosity of the medium, e.g. "1 mPa s". With --radius it gives the drag. For a '
+        "free bead, one of the two determines the other."
+    ),
+]
+Density = Annotated[
+    str | None,
+    typer.Option(
+        help='Density of the bead, e.g. "2000 kg/m^3", to include its inertia. Requires --radius.'
+    ),
+]
+FluidDensity = Annotated[
+    str | None,
+    typer.Option(
+        help='Density of the medium, e.g. "998 kg/m^3", to include its inertia. Requires --density.'
+    ),
+]
+Wall = Annotated[
+    str | None,
+    typer.Option(
+        help='Distance of the bead\'s centre from a wall across the light, e.g. "1.2 um" or '
+        '"1.2 um +- 50 nm". Requires --radius.',
+        metavar="HEIGHT",
+    ),
+]
+Focus = Annotated[
+    str | None,
+    typer.Option(
+        help='Position of the focus in each RECORDING, larger farther from a wall: "0 um, 0.5 '
+        'um, 1 um". The place of the wall is fitted.',
+        metavar="POSITIONS",
+    ),
+]
+FocalShift = Annotated[
+    str | None,
+    typer.Option(help="How far the bead moves by a unit of --focus, 1 if not given; or fit."),
+]
+Stage = Annotated[
+    str | None,
+    typer.Option(
+        help="Heading of a column: the motion of the stage, which oscillates. Drag, and of "
+        "volts the metres, are measured by it.",
+        metavar="COLUMN",
+    ),
+]
 Exposure = Annotated[
     str | None,
     typer.Option(
@@ -58,6 +113,17 @@ Exposure = Annotated[
         help='Time that each position is averaged over: "2 ms", up to the step; or fit.',
     ),
 ]  # fmt: skip
+Diode = Annotated[
+    str | None,
+    typer.Option(
+        help='Detector that is late: "14 kHz", where its power is halved; "14 kHz, 0.3", with '
+        "the part that it detects at once; or fit."
+    ),
+]
+Noise = Annotated[
+    str | None,
+    typer.Option(help='White noise of the detector, a standard deviation: "1 nm"; or fit.'),
+]
 LeaveOut = Annotated[
     list[str] | None,
     typer.Option(
@@ -65,72 +131,32 @@ LeaveOut = Annotated[
         metavar="BAND",
     ),
 ]
+Drift = Annotated[
+    str | None,
+    typer.Option(
+        help='What is slower is taken off, as whole cosines: "0.5 Hz".', metavar="FREQUENCY"
+    ),
+]
+FitRange = Annotated[
+    str | None,
+    typer.Option(help='Frequencies that spectra are fitted over: "10 Hz..10 kHz".', metavar="BAND"),
+]
 Report = Annotated[
     Path | None,
     typer.Option(help="Page with figures, numbers and what is not to be trusted: .html, .pdf."),
 ]
-#: Help of the options whose value is one text
-_HELP = {
-    "temperature": 'Temperature of the medium, e.g. "20 degC". Default for a run: its own.',
-    "radius": 'Radius of the bead, e.g. "500 nm". Without it the drag is fitted.',
-    "viscosity": (
-        'Viscosity of the medium, e.g. "1 mPa s". With --radius it gives the drag. For a free '
-        "bead, one of the two determines the other."
-    ),
-    "density": (
-        'Density of the bead, e.g. "2000 kg/m^3", to include its inertia. Requires --radius.'
-    ),
-    "fluid_density": (
-        'Density of the medium, e.g. "998 kg/m^3", to include its inertia. Requires --density.'
-    ),
-    "wall": (
-        'Distance of the bead\'s centre from a wall across the light, e.g. "1.2 um" or "1.2 um '
-        '+- 50 nm". Requires --radius.'
-    ),
-    "focus": (
-        'Position of the focus in each RECORDING, larger farther from a wall: "0 um, 0.5 um, 1 '
-        'um". The place of the wall is fitted.'
-    ),
-    "focal_shift": "How far the bead moves by a unit of --focus, 1 if not given; or fit.",
-    "drive": (
-        "Heading of a column: the motion of the stage, which oscillates. Drag, and of volts the "
-        "metres, are measured by it."
-    ),
-    "diode": (
-        'Detector that is late: "14 kHz", where its power is halved; "14 kHz, 0.3", with the '
-        "part that it detects at once; or fit."
-    ),
-    "noise": 'White noise of the detector, a standard deviation: "1 nm"; or fit.',
-    "drift": 'What is slower is taken off, as whole cosines: "0.5 Hz".',
-    "fit_range": 'Frequencies that spectra are fitted over: "10 Hz..10 kHz".',
-}
-#: Placeholders of their values
-_METAVARS = {
-    "wall": "HEIGHT", "focus": "POSITIONS", "drive": "COLUMN", "drift": "FREQUENCY",
-    "fit_range": "BAND",
-}  # fmt: skip
-
-
-def _with_help(command: Callable[..., None]) -> Callable[..., None]:
-    """Give the options of `command` their help."""
-    for name, text in _HELP.items():
-        option = typer.Option(help=text, metavar=_METAVARS.get(name))
-        command.__annotations__[name] = Annotated[str | None, option]
-    return command
 
 
 @app.command()
-@_with_help
 def calibrate(
     recordings: Recordings,
-    temperature: str | None = None, radius: str | None = None, viscosity: str | None = None,
-    density: str | None = None, fluid_density: str | None = None, wall: str | None = None,
-    focus: str | None = None, focal_shift: str | None = None, columns: Columns = None,
-    rate: Rate = None, scale: Scale = None, bead: Bead = None, drive: str | None = None,
-    blur: Exposure = None, diode: str | None = None, noise: str | None = None,
-    leave_out: LeaveOut = None, drift: str | None = None, fit_range: str | None = None,
-    skip: Skip = "0", out: JsonFile = None, plot: FigureFile = None, report: Report = None,
-    overwrite: Overwrite = False,
+    temperature: Temperature = None, radius: Radius = None, viscosity: Viscosity = None,
+    density: Density = None, fluid_density: FluidDensity = None, wall: Wall = None,
+    focus: Focus = None, focal_shift: FocalShift = None, columns: Columns = None,
+    rate: Rate = None, scale: Scale = None, bead: Bead = None, drive: Stage = None,
+    blur: Exposure = None, diode: Diode = None, noise: Noise = None, leave_out: LeaveOut = None,
+    drift: Drift = None, fit_range: FitRange = None, skip: Skip = "0", out: JsonFile = None,
+    plot: FigureFile = None, report: Report = None, overwrite: Overwrite = False,
 ) -> None:  # fmt: skip
     """Determine trap stiffness from a RECORDING.
 
