@@ -101,8 +101,8 @@ class Schema(NamedTuple):
 
     attributes: type[_Attributes]
     variables: Mapping[str, Variable]
-    check: Callable[[xr.Dataset, Any], Iterable[str]]
-    """function of a dataset and its attributes that yields further errors"""
+    check: Callable[[xr.Dataset, Any, Scene], Iterable[str]]
+    """function of a dataset, its attributes and its scene that yields further errors"""
 
 
 def checked(dataset: xr.Dataset, name: str) -> xr.Dataset:
@@ -127,7 +127,7 @@ def _wrong(dataset: xr.Dataset, schema: Schema) -> Iterable[str]:
     attributes = {str(key): plain(value) for key, value in dataset.attrs.items()}
     try:
         about = schema.attributes.model_validate(attributes)
-        Scene.model_validate_json(about.scene)
+        scene = Scene.model_validate_json(about.scene)
     except ValidationError as error:
         yield of_validation(error)
         return
@@ -139,7 +139,7 @@ def _wrong(dataset: xr.Dataset, schema: Schema) -> Iterable[str]:
     for dimension, size in _VECTORS.items():
         if dataset.sizes.get(dimension, size) != size:
             yield f"its {dimension} has {dataset.sizes[dimension]} entries, not {size}"
-    yield from schema.check(dataset, about)
+    yield from schema.check(dataset, about, scene)
 
 
 def _wrong_variable(dataset: xr.Dataset, name: str, expected: Variable) -> Iterable[str]:
@@ -196,7 +196,7 @@ def rising(dataset: xr.Dataset, name: str) -> Iterable[str]:
         yield f"its {name} does not increase after entry {1 + int(np.argmax(falls))}"
 
 
-def _of_times(dataset: xr.Dataset, _: Any) -> Iterable[str]:
+def _of_times(dataset: xr.Dataset) -> Iterable[str]:
     """Yield the errors of the times of a dataset."""
     for name in ("time", "frame_time"):
         if name in dataset.variables:
@@ -205,28 +205,27 @@ def _of_times(dataset: xr.Dataset, _: Any) -> Iterable[str]:
         yield "it has no sample"
 
 
-def _of_run(dataset: xr.Dataset, about: _OfRun) -> Iterable[str]:
+def _of_run(dataset: xr.Dataset, about: _OfRun, scene: Scene) -> Iterable[str]:
     """Yield the errors of a run beyond its schema."""
-    yield from _of_times(dataset, about)
+    yield from _of_times(dataset)
     if (np.abs(dataset["position"].values) > _LARGEST_POSITION).any():
         yield f"its position exceeds {_LARGEST_POSITION:g} m"
-    scene = Scene.model_validate_json(about.scene)
     if scene.forces.brownian and about.step is None:
         yield "it has no attribute step, which a run with thermal motion has"
     if scene.draws and about.seed is None:
         yield "it has no attribute seed, which a run with random numbers has"
 
 
-def _of_ensemble(dataset: xr.Dataset, about: _OfEnsemble) -> Iterable[str]:
+def _of_ensemble(dataset: xr.Dataset, about: _OfEnsemble, _scene: Scene) -> Iterable[str]:
     """Yield the errors of an ensemble beyond its schema."""
-    yield from _of_times(dataset, about)
+    yield from _of_times(dataset)
     if dataset.sizes["trajectory"] != about.trajectories:
         yield f"it has {dataset.sizes['trajectory']} of {about.trajectories} trajectories"
 
 
-def _of_statistics(dataset: xr.Dataset, about: _OfEnsemble) -> Iterable[str]:
+def _of_statistics(dataset: xr.Dataset, _about: _OfEnsemble, _scene: Scene) -> Iterable[str]:
     """Yield the errors of statistics of an ensemble beyond their schema."""
-    yield from _of_times(dataset, about)
+    yield from _of_times(dataset)
     for name in ("bin", "lag", "frequency"):
         if name in dataset.variables:
             yield from rising(dataset, name)
@@ -245,7 +244,7 @@ def _of_statistics(dataset: xr.Dataset, about: _OfEnsemble) -> Iterable[str]:
             )
 
 
-def _of_sweep(dataset: xr.Dataset, about: _OfSweep) -> Iterable[str]:
+def _of_sweep(dataset: xr.Dataset, about: _OfSweep, _scene: Scene) -> Iterable[str]:
     """Yield the errors of a sweep, whose variables depend on the keys that were varied."""
     over = [str(dimension) for dimension in dataset["outcome"].dims]
     shape = {name: {key: len(values) for key, values in keys.items()} for name, keys in
