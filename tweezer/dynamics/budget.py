@@ -160,7 +160,7 @@ def _finer_steps(equations: EquationsOfMotion, run: Integration) -> Array:
     slack = _ROUNDING + (1 - BEFORE) * np.arange(len(kinks))
     after = np.searchsorted(begins, kinks * (1 - slack))
     finer = [np.full(2, each / 2) for each in lengths]
-    if equations.takes_drag_exactly and equations.stiff:
+    if equations.takes_drag_exactly and equations.inertial:
         shortest = equations.fastest_relaxation
         for i in after[after < len(lengths)]:
             many = max(int(math.log2(lengths[i] / shortest)), 0)
@@ -200,7 +200,7 @@ def _lag(equations: EquationsOfMotion, run: Integration) -> float:
 def _compiled(equations: EquationsOfMotion) -> Problem | None:
     """Return the problem with a compiled method that suits its equations; None if there is none."""
     method = "exponential" if equations.takes_drag_exactly else "dop853"
-    if equations.takes_drag_exactly or not equations.stiff:
+    if equations.takes_drag_exactly or not equations.inertial:
         return equations.problem.changed(method=method, step=None)
     return None
 

@@ -107,7 +107,7 @@ def method_for(equations: EquationsOfMotion) -> tuple[str, str]:
     simulation = equations.scene.simulation
     if equations.takes_drag_exactly:
         return "exponential", "exponential: takes the drag exactly"
-    if not equations.stiff:
+    if not equations.inertial:
         if simulation.relative_tolerance < _TIGHT:
             return "dop853", "dop853: not stiff, tight tolerance"
         return "dormand-prince", "dormand-prince: not stiff"

@@ -79,7 +79,7 @@ class EquationsOfMotion(Shown):
     """positions at which `rhs` and `jacobian` evaluated the light so far"""
     rotates: bool = field(init=False)
     """whether the state contains an orientation"""
-    stiff: bool = field(init=False)
+    inertial: bool = field(init=False)
     """whether the state contains velocities, which relax much faster than the bead moves"""
 
     def __post_init__(self) -> None:
@@ -92,7 +92,7 @@ class EquationsOfMotion(Shown):
         self._size = self.layout.size
         self.rotates = "orientation" in self.layout
         self._constrained = "euler_rates" in self.layout
-        self.stiff = "velocity" in self.layout
+        self.inertial = "velocity" in self.layout
         self._asks_orientation = self.force.oriented or self.drag.oriented
         self._rhs_inputs = self._inputs(self.module.RHS_INPUTS)
         self._jacobian_inputs = self._inputs(self.module.JACOBIAN_INPUTS)
@@ -128,11 +128,11 @@ class EquationsOfMotion(Shown):
             rest[first("orientation")] = 1.0
         # rates of the velocities or, without inertia, velocities: e' is half the angular velocity
         begins = [first("velocity"), first("angular_velocity")]
-        if not self.stiff:
+        if not self.inertial:
             begins = [first("position"), first("orientation") + 1]
         where = [begin + i for begin in begins[: 1 + self.rotates] for i in range(3)]
         scale = np.ones(len(where))
-        if not self.stiff:
+        if not self.inertial:
             scale[ROTATION] = 2.0
         none, weightless = np.zeros((3, 3)), self.params.copy()
         weightless[[name.startswith("W") for name in names]] = 0.0
@@ -154,12 +154,12 @@ class EquationsOfMotion(Shown):
 
         many = range(len(where))
         times = np.ones(len(where))
-        if self.stiff:  # without the weight, so that the drag alone keeps its digits
+        if self.inertial:  # without the weight, so that the drag alone keeps its digits
             moving = rest + np.eye(self._size)[where]
             times = np.array([-1.0 / rates(weightless, moving[i])[i] for i in many])
         response = np.array([times[i] * rates(weightless, rest, i)[i] for i in many])
         drift = (times * rates(self.params, rest))[TRANSLATION]
-        if not self.stiff:
+        if not self.inertial:
             times[:] = 0.0
         inertia = np.zeros(0)
         if not self.drag.uniform:  # the weight is part of the force
@@ -328,7 +328,7 @@ class EquationsOfMotion(Shown):
         """
         states = self.on_constraints(states)
         # the slow models have no velocities in their state: they are its rates of change
-        rates = None if self.stiff else self._rates(times, states)
+        rates = None if self.inertial else self._rates(times, states)
         part = self._part
         position = part(states, "position")
         velocity = part(states, "velocity") if rates is None else part(rates, "position")

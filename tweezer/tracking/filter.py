@@ -143,7 +143,7 @@ def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
     SceneError
         If the model has inertia and the drag depends on the position.
     """
-    if equations.stiff and not equations.drag.uniform:
+    if equations.inertial and not equations.drag.uniform:
         raise SceneError(
             f"simulation.model = {equations.scene.simulation.model!r}: the Kalman filter follows "
             "no inertia under a drag that depends on the position; set simulation.model to "
@@ -152,7 +152,7 @@ def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
     system = equations.system(gradient=True, derivatives=True)
     # velocities are multiplied by their relaxation time, so that all of the state is in metres
     scale = np.ones(len(equations.initial_state))
-    if equations.stiff:
+    if equations.inertial:
         scale[equations.layout.at("velocity")] = equations.relaxation.modes.times[TRANSLATION, 0]
     loop = _loop()
 
