@@ -417,7 +417,9 @@ def _parts(value: Any) -> tuple[Any, Any]:
     value = without_unit(value, "")
     if isinstance(value, str):
         try:
-            value = complex(value.replace(" ", "") if _COMPLEX.fullmatch(value) else "")
+            if not _COMPLEX.fullmatch(value):  # `complex` also reads "inf", "nan" and 1_000
+                raise ValueError
+            value = complex(value.replace(" ", ""))
         except ValueError:
             raise ValueError('must be a complex number such as "1j" or "1.59+0.01j"') from None
     if isinstance(value, complex):
