@@ -985,6 +985,8 @@ class Exponential:
         if "orientation" in emitted:
             allowed = equations.absolute_tolerance[emitted.first("orientation")]
         many = len(relaxation.modes.times)
+        weights = relaxation.modes.weights
+        carried = Layout({"position": _MODES, "modes": weights.size, "orientation": EULER})
 
         def inner(records: Records, times: Array) -> Array:
             out = np.zeros((len(times), records.state.shape[1]))
@@ -992,7 +994,7 @@ class Exponential:
             return out
 
         def states(records: Records, times: Array) -> Array:
-            return _emitted(inner(records, times), relaxation.modes.weights, emitted)
+            return _emitted(inner(records, times), weights, carried, emitted)
 
         return Bound(
             loop(),
@@ -1056,21 +1058,20 @@ def _in_inertial_frame(state: Array, modes: Modes, emitted: Layout) -> Array:
     return np.concatenate([state[POSITION], v.ravel(), e])
 
 
-def _emitted(y: Array, weights: Array, emitted: Layout) -> Array:
+def _emitted(y: Array, weights: Array, carried: Layout, emitted: Layout) -> Array:
     """Return states (n, state) in the form of the emitted equations, from those of the loop.
 
     The inverse of `_in_inertial_frame`. weights: (axes, modes), which sum the modes to the
-    velocity.
+    velocity. carried: the layout of the states of the loop.
     """
     rotates = "orientation" in emitted
     if weights.shape[1] == 1 and not rotates:
         return y[:, : emitted.width]  # as it is, or without the velocities of a model without them
-    inner = Layout({"position": _MODES, "modes": weights.size, "orientation": EULER})
-    rates = (y[:, inner.at("modes")].reshape(-1, *weights.shape) * weights).sum(axis=2)
+    rates = (y[:, carried.at("modes")].reshape(-1, *weights.shape) * weights).sum(axis=2)
     states = np.empty((len(y), emitted.width))
     parts = {"position": y[:, POSITION], "velocity": rates[:, TRANSLATION]}
     if rotates:
-        e = parts["orientation"] = y[:, inner.at("orientation")]
+        e = parts["orientation"] = y[:, carried.at("orientation")]
         if "angular_velocity" in emitted:
             turning = zip(rates[:, ROTATION], e, strict=True)
             omega = [row @ _rotation(each) for row, each in turning]
