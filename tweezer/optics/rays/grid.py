@@ -114,7 +114,7 @@ def grid_kernel(rays: Rays) -> Kernel:
                 elif not hit and first < count:
                     add_up(
                         tiles.rays, first * TILE, tile * TILE, p1, p2, p3, radius, n_mP,
-                        jones[0], jones[1], jones[2], jones[3], found,
+                        (jones[0], jones[1], jones[2], jones[3]), found,
                     )  # fmt: skip
                     first = count
             put(found, 1.0, 0.0, gradient, moment, at, wrench)

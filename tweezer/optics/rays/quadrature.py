@@ -39,7 +39,7 @@ from tweezer.optics.rays.panels import (
     rules_of,
     unknown_light,
 )
-from tweezer.optics.rays.ray_sum import SUMS, Rays, Sphere, efficiencies_of, ray_sum
+from tweezer.optics.rays.ray_sum import INLINE, SUMS, Rays, Sphere, efficiencies_of_rings, ray_sum
 from tweezer.optics.rays.rule import LEVELS, Rule
 from tweezer.optics.turning import put
 
@@ -96,10 +96,67 @@ def _rule(data, first):  # type: ignore[no-untyped-def]
     )  # fmt: skip
 
 
+@named_njit(**INLINE)
+def _turned(jones, cosine, sine):  # type: ignore[no-untyped-def]
+    """Return the Jones vector in the frame with the bead at (lateral, 0, axial)."""
+    return (
+        cosine * jones[0] + sine * jones[2],
+        cosine * jones[1] + sine * jones[3],
+        cosine * jones[2] - sine * jones[0],
+        cosine * jones[3] - sine * jones[1],
+    )
+
+
+@named_njit(**INLINE)
+def _errors(source, rules, k, along, around, size, linear):  # type: ignore[no-untyped-def]
+    """Return the errors of the k-th rule along x and in the azimuth, N, from its two `tails`."""
+    kind, level = int(rules[k, KIND]), int(rules[k, LEVEL])
+    if kind == DISC:  # its ellipses bound the decay of the coefficients
+        n, m = LEVELS[level], rules[k, AZIMUTHS]
+        error = along * math.exp(-rules[k, RATE_X] * n) + source.aliased[level]
+        missed = around * math.exp(-rules[k, RATE_AZIMUTH] * m)
+    else:
+        error = size * _estimate(along / size, kind, 0)
+        missed = size * rules[k, MISSED]
+        if linear:
+            missed = size * _estimate(around / size, kind, 1)
+    return error, missed
+
+
+@named_njit(**INLINE)
+def _force_and_error(found, errors, many, unknown):  # type: ignore[no-untyped-def]
+    """Return the force of all rules and its error, N. unknown: error from the light's series, N."""
+    f1 = f2 = f3 = 0.0
+    error = unknown
+    for k in range(many):
+        f1 += found[k, 0]
+        f2 += found[k, 1]
+        f3 += found[k, 2]
+        error += errors[k, 0] + errors[k, 1]
+    return math.sqrt(f1 * f1 + f2 * f2 + f3 * f3), error
+
+
+@named_njit(**INLINE)
+def _total(found, many, on_axis):  # type: ignore[no-untyped-def]
+    """Return the sum over the rules, (24,); sums that vanish on the axis are exactly zero there."""
+    total = found[0]
+    if many == 0:
+        total[:] = 0.0
+    for k in range(1, many):
+        for c in range(24):
+            total[c] += found[k, c]
+    if on_axis:
+        total[0] = total[4] = total[8] = total[12] = 0.0
+    return total
+
+
 @functools.cache
 def quadrature_kernel(rays: Rays) -> Kernel:
-    """The integral over the lens to the tolerance of a `Rule`, with an estimate of its error."""
-    efficiencies = efficiencies_of(rays)
+    """Return the kernel that integrates over the lens to the tolerance of a `Rule`.
+
+    It estimates the error of the force.
+    """
+    efficiencies = efficiencies_of_rings(rays)
     add_up = ray_sum(rays, by_grid=False, in_rings=False)
     add_up_rings = ray_sum(rays, by_grid=False, in_rings=True)
     linear, gradient, moment = rays.polarisation == "linear", rays.gradient, rays.moment
@@ -115,7 +172,6 @@ def quadrature_kernel(rays: Rays) -> Kernel:
         errors = np.empty((MOST_PANELS, 2))  # error along x and in the azimuth
         sizes = np.empty(MOST_PANELS)
         due = np.empty(MOST_PANELS, np.bool_)
-        a_re, a_im, b_re, b_im = jones[0], jones[1], jones[2], jones[3]
         least = VANISHING * source.strength * min(5.0 * abs(1.0 - n_mP), 1.0)
         for at in range(pose.position.shape[0]):
             p1, p2, p3 = pose.position[at, 0], pose.position[at, 1], pose.position[at, 2]
@@ -129,12 +185,7 @@ def quadrature_kernel(rays: Rays) -> Kernel:
             many = rules_of(place, source, n_mP, rules)
             for k in range(many):
                 due[k] = True
-            if linear:
-                a_re = cosine * jones[0] + sine * jones[2]
-                a_im = cosine * jones[1] + sine * jones[3]
-                b_re = cosine * jones[2] - sine * jones[0]
-                b_im = cosine * jones[3] - sine * jones[1]
-            error = whole = 0.0
+            turned = _turned(jones, cosine, sine) if linear else (0.0, 0.0, 0.0, 0.0)
             full = many > 0 and rules[0, KIND] == DISC  # with the full series
             while True:
                 for k in range(many):
@@ -145,41 +196,24 @@ def quadrature_kernel(rays: Rays) -> Kernel:
                     kind, level = int(rules[k, KIND]), int(rules[k, LEVEL])
                     found[k] = 0.0
                     if linear or kind == DISC:
-                        size = add_up(
-                            room, 0, count, p1, p2, p3, radius, n_mP,
-                            a_re, a_im, b_re, b_im, found[k],
-                        )  # fmt: skip
+                        size = add_up(room, 0, count, p1, p2, p3, radius, n_mP, turned, found[k])
                     else:
                         efficiencies(room, LEVELS[level], count, n_mP)
                         size = add_up_rings(
-                            room, 0, count, p1, p2, p3, radius, n_mP,
-                            a_re, a_im, b_re, b_im, found[k],
-                        )  # fmt: skip
+                            room, 0, count, p1, p2, p3, radius, n_mP, turned, found[k]
+                        )
                     if not linear:
                         found[k, 3] = found[k, 5] = 0.0  # cancelled by the other half of the rays
                     sizes[k] = size
                     errors[k, 0] = errors[k, 1] = 0.0
                     if size > 0.0:
-                        along, around = tails(source, rules, k, room, linear, gradient)
-                        if kind == DISC:  # its ellipses bound the decay of the coefficients
-                            n, m = LEVELS[level], rules[k, AZIMUTHS]
-                            errors[k, 0] = along * math.exp(-rules[k, RATE_X] * n)
-                            errors[k, 0] += source.aliased[level]
-                            errors[k, 1] = around * math.exp(-rules[k, RATE_AZIMUTH] * m)
-                        else:
-                            errors[k, 0] = size * _estimate(along / size, kind, 0)
-                            errors[k, 1] = size * rules[k, MISSED]
-                            if linear:
-                                errors[k, 1] = size * _estimate(around / size, kind, 1)
-                f1 = f2 = f3 = 0.0
+                        tail = tails(source, rules, k, room, linear, gradient)
+                        errors[k, 0], errors[k, 1] = _errors(
+                            source, rules, k, tail[0], tail[1], size, linear
+                        )
                 unknown = unknown_light(place, source, full) if many > 0 else 0.0
-                error = unknown
-                for k in range(many):
-                    f1 += found[k, 0]
-                    f2 += found[k, 1]
-                    f3 += found[k, 2]
-                    error += errors[k, 0] + errors[k, 1]
-                whole = max(math.sqrt(f1 * f1 + f2 * f2 + f3 * f3), least)
+                force, error = _force_and_error(found, errors, many, unknown)
+                whole = max(force, least)
                 if error <= source.tolerance * whole:
                     break
                 # the error from the truncated series of the light, and the rules to refine
@@ -192,20 +226,10 @@ def quadrature_kernel(rays: Rays) -> Kernel:
                 again |= _more_where_missed(source, rules, many, sizes, errors, target, due, linear)
                 if not again:
                     break
-
-            total = found[0]
-            if many == 0:
-                total[:] = 0.0
-            for k in range(1, many):
-                for c in range(24):
-                    total[c] += found[k, c]
+            total = _total(found, many, p1 == 0.0 and not linear)
             if many > 0:
                 error = max(error, TRUSTED * source.tolerance * whole)
             wrench.error[at] += error
-            if p1 == 0.0 and not linear:
-                total[0] = 0.0  # exactly zero on the axis
-                total[4] = 0.0
-                total[8] = total[12] = 0.0
             # back to the frame of the scene
             put(total, cosine, sine, gradient, moment, at, wrench)
 

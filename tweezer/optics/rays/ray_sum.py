@@ -48,34 +48,82 @@ class Sphere(NamedTuple):
 SUMS: dict[str, Any] = {
     "error_model": "numpy", "nogil": True, "fastmath": {"reassoc", "contract", "arcp", "nsz"},
 }  # fmt: skip
+#: Compiler options of functions that become part of the loop that calls them
+INLINE: dict[str, Any] = {**SUMS, "inline": "always", "inner": True}
+
+
+@named_njit(**INLINE)
+def _plus_3(a, b):  # type: ignore[no-untyped-def]
+    """Return a + b, of three numbers each."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@named_njit(**INLINE)
+def _plus_9(a, b):  # type: ignore[no-untyped-def]
+    """Return a + b, of nine numbers each."""
+    return (
+        a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4], a[5] + b[5],
+        a[6] + b[6], a[7] + b[7], a[8] + b[8],
+    )  # fmt: skip
 
 
 @functools.cache
-def efficiencies_of(rays: Rays) -> Any:
-    """Compiled function: efficiencies of n rings of rays, the same for all rays of a ring."""
-    averaged = rays.polarisation == "averaged-reflectance"
+def _efficiencies(rays: Rays) -> Any:
+    """Return a compiled function of S: Q_sc and G of a ray, (3.22) and (3.23), and more.
+
+    The function returns Q_sc, G and the terms X, Y that linearly polarised light adds to them; then
+    the derivatives of Q_sc, G, X and Y over S. Numbers that the rays do not need are zero.
+    """
+    averaged, linear = rays.polarisation == "averaged-reflectance", rays.polarisation == "linear"
     denser_medium, gradient = rays.denser_medium, rays.gradient
 
+    @named_njit(**INLINE)
+    def efficiencies(S, n_mP):  # type: ignore[no-untyped-def]
+        dQ_sc = dG = 0.0
+        if denser_medium and ray.cos_squared_beta(S, n_mP) < TOTAL_REFLECTION:
+            if gradient:
+                Q_sc, dQ_sc, G, dG = ray.total_reflection_rates(S)
+            else:
+                Q_sc, G = ray.total_reflection(S)
+            X = dX = Y = dY = 0.0
+        else:
+            if averaged:
+                if gradient:
+                    Q_sc, dQ_sc, G, dG = ray.averaged_reflectance_rates(S, n_mP)
+                else:
+                    Q_sc, G = ray.averaged_reflectance(S, n_mP)
+            elif gradient:
+                Q_sc, dQ_sc, G, dG = ray.circular_rates(S, n_mP)
+            else:
+                Q_sc, G = ray.circular(S, n_mP)
+            X = dX = Y = dY = 0.0
+            if linear:
+                if gradient:
+                    X, dX, Y, dY = ray.split_rates(S, n_mP)
+                else:
+                    X, Y = ray.split(S, n_mP)
+        return Q_sc, G, X, Y, dQ_sc, dG, dX, dY
+
+    return efficiencies
+
+
+@functools.cache
+def efficiencies_of_rings(rays: Rays) -> Any:
+    """Return a compiled function that puts the efficiencies of n rings of rays into `room`.
+
+    All rays of a ring have the same efficiencies.
+    """
+    efficiencies, gradient = _efficiencies(rays), rays.gradient
+
     @named_njit(**SUMS)
-    def efficiencies(room, n, count, n_mP):  # type: ignore[no-untyped-def]
+    def of_rings(room, n, count, n_mP):  # type: ignore[no-untyped-def]
         S_of = room[S_OF]
         Q_of, dQ_of, G_of, dG_of = room[Q_OF], room[DQ_OF], room[G_OF], room[DG_OF]
         for i in range(n):
-            S = min(S_of[i], _GRAZING)
-            if denser_medium and ray.cos_squared_beta(S, n_mP) < TOTAL_REFLECTION:
-                if gradient:
-                    Q_of[i], dQ_of[i], G_of[i], dG_of[i] = ray.total_reflection_rates(S)
-                else:
-                    Q_of[i], G_of[i] = ray.total_reflection(S)
-            elif averaged:
-                if gradient:
-                    Q_of[i], dQ_of[i], G_of[i], dG_of[i] = ray.averaged_reflectance_rates(S, n_mP)
-                else:
-                    Q_of[i], G_of[i] = ray.averaged_reflectance(S, n_mP)
-            elif gradient:
-                Q_of[i], dQ_of[i], G_of[i], dG_of[i] = ray.circular_rates(S, n_mP)
-            else:
-                Q_of[i], G_of[i] = ray.circular(S, n_mP)
+            Q_sc, G, _, _, dQ_sc, dG, _, _ = efficiencies(min(S_of[i], _GRAZING), n_mP)
+            Q_of[i], G_of[i] = Q_sc, G
+            if gradient:
+                dQ_of[i], dG_of[i] = dQ_sc, dG
         for at in range(n, count, n):
             for i in range(n):
                 Q_of[at + i] = Q_of[i]
@@ -84,184 +132,129 @@ def efficiencies_of(rays: Rays) -> Any:
                     dQ_of[at + i] = dQ_of[i]
                     dG_of[at + i] = dG_of[i]
 
-    return efficiencies
+    return of_rings
+
+
+@functools.cache
+def _put(rays: Rays, *, halves: bool) -> Any:
+    """Return a compiled function that adds sums of force, moment and gradients to `found`.
+
+    halves: whether the rays are half of all; sums that the other half cancels are left out.
+    """
+    gradient, moment = rays.gradient, rays.moment
+
+    @named_njit(**INLINE)
+    def put(found, f, m, j, k):  # type: ignore[no-untyped-def]
+        if halves:
+            f = f[0], 0.0, f[2]
+            j = j[0], 0.0, j[2], 0.0, j[4], 0.0, j[6], 0.0, j[8]
+            k = 0.0, k[1], 0.0, k[3], 0.0, k[5], 0.0, k[7], 0.0
+        for c in range(3):
+            found[c] += f[c]
+            if moment:
+                found[3 + c] += m[c]
+        for c in range(9):
+            if gradient:
+                found[6 + c] += j[c]
+            if gradient and moment:
+                found[15 + c] += k[c]
+
+    return put
+
+
+@named_njit(**INLINE)
+def _scalar(F, linear):  # type: ignore[no-untyped-def]
+    """Return the scalar whose expansion estimates the error of a sum of forces F.
+
+    It is a combination of the components that no symmetry cancels.
+    """
+    scalar = F[0] + 0.6180339887498949 * F[2]
+    if linear:
+        scalar += 0.3819660112501051 * F[1]
+    return scalar
 
 
 @functools.cache
 def ray_sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
-    """Compiled function: adds force, moment and gradients of the rays from `first` up to `last`.
+    """Return a compiled function that adds up the rays from `first` up to `last`.
 
-    It returns the size of the forces. It is separate because the compiler does not vectorise its
-    loop inside a large function. in_rings: whether `room` already holds the efficiencies.
+    It adds their force, moment and gradients to `found` and returns the size of the forces. It is
+    separate because the compiler does not vectorise its loop inside a large function. in_rings:
+    whether `room` already contains the efficiencies.
     """
-    averaged, linear = rays.polarisation == "averaged-reflectance", rays.polarisation == "linear"
-    denser_medium, gradient, moment = rays.denser_medium, rays.gradient, rays.moment
+    linear, gradient, moment = rays.polarisation == "linear", rays.gradient, rays.moment
     # whether the nearest point to the centre is needed, not only the place along the ray
     nearest = linear or gradient or moment
+    efficiencies, put = _efficiencies(rays), _put(rays, halves=not (by_grid or linear))
 
     @named_njit(**SUMS, inner=True)
-    def add_up(  # type: ignore[no-untyped-def]
-        room, first, last, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im, found
-    ):
+    def add_up(room, first, last, p1, p2, p3, radius, n_mP, jones, found):  # type: ignore[no-untyped-def]
         u1_of, u2_of, u3_of = room[U1][first:last], room[U2][first:last], room[U3][first:last]
         weight = room[WEIGHT][first:last]
         if in_rings:
             Q_of, dQ_of, G_of, dG_of = room[Q_OF], room[DQ_OF], room[G_OF], room[DG_OF]
         if not by_grid:
             force_of = room[FORCE]
-        place_1, place_2, place_3 = p1 / radius, p2 / radius, p3 / radius
-        f1 = f2 = f3 = size = attraction = 0.0
-        m1 = m2 = m3 = 0.0
-        j11 = j12 = j13 = j21 = j22 = j23 = j31 = j32 = j33 = 0.0
-        k11 = k12 = k13 = k21 = k22 = k23 = k31 = k32 = k33 = 0.0
+        place = p1 / radius, p2 / radius, p3 / radius
+        size = attraction = 0.0
+        f = m = (0.0, 0.0, 0.0)
+        j = k = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for i in range(weight.size):
-            u1, u2, u3 = u1_of[i], u2_of[i], u3_of[i]
+            u = u1_of[i], u2_of[i], u3_of[i]
             if nearest:
-                n1, n2, n3, S = ray.impact(u1, u2, u3, p1, p2, p3, radius)
+                n1, n2, n3, S = ray.impact(*u, p1, p2, p3, radius)
+                n = n1, n2, n3
             else:
-                s, S = ray.passage(u1, u2, u3, place_1, place_2, place_3)
+                s, S = ray.passage(*u, *place)
             w = weight[i] if S < 1.0 else 0.0
             S = min(S, _GRAZING)
-            dQ_sc = dG = 0.0
-            if in_rings:
-                Q_sc, G = Q_of[i], G_of[i]
-                if gradient:
-                    dQ_sc, dG = dQ_of[i], dG_of[i]
-            elif denser_medium and ray.cos_squared_beta(S, n_mP) < TOTAL_REFLECTION:
-                if gradient:
-                    Q_sc, dQ_sc, G, dG = ray.total_reflection_rates(S)
-                else:
-                    Q_sc, G = ray.total_reflection(S)
-                X = dX = Y = dY = 0.0
+            if not in_rings:
+                Q_sc, G, X, Y, dQ_sc, dG, dX, dY = efficiencies(S, n_mP)
+            elif gradient:
+                Q_sc, G, dQ_sc, dG = Q_of[i], G_of[i], dQ_of[i], dG_of[i]
             else:
-                if averaged:
-                    if gradient:
-                        Q_sc, dQ_sc, G, dG = ray.averaged_reflectance_rates(S, n_mP)
-                    else:
-                        Q_sc, G = ray.averaged_reflectance(S, n_mP)
-                elif gradient:
-                    Q_sc, dQ_sc, G, dG = ray.circular_rates(S, n_mP)
-                else:
-                    Q_sc, G = ray.circular(S, n_mP)
-                if linear:
-                    if gradient:
-                        X, dX, Y, dY = ray.split_rates(S, n_mP)
-                    else:
-                        X, Y = ray.split(S, n_mP)
+                Q_sc, G = Q_of[i], G_of[i]
             if linear:
-                E1, E2, E3, H1, H2, H3 = ray.electric_field(u1, u2, u3, a_re, a_im, b_re, b_im)
-                sigma = ray.polarisation(u1, u2, u3, n1, n2, n3, radius, E1, E2, E3, H1, H2, H3)
+                E = ray.electric_field(*u, *jones)
+                sigma = ray.polarisation(*u, *n, radius, *E)
                 Q_sc += sigma * X
                 G += sigma * Y
-                if gradient:
-                    dQ_sc += sigma * dX
-                    dG += sigma * dY
             Q_sc *= w
             G *= w
             if nearest:
-                F1, F2, F3 = ray.force(u1, u2, u3, n1, n2, n3, radius, Q_sc, G)
+                F = ray.force(*u, *n, radius, Q_sc, G)
             else:
-                F1, F2, F3 = ray.force_along_ray(u1, u2, u3, s, Q_sc, G)
+                F = ray.force_along_ray(*u, s, Q_sc, G)
                 attraction += G
-            f1 += F1
-            f3 += F3
-            if by_grid or linear:
-                f2 += F2
+            f = _plus_3(f, F)
             if not by_grid:
                 if not nearest:
-                    F1 -= G * place_1
-                    F3 -= G * place_3
-                # scalar whose expansion estimates the error: a combination that no symmetry cancels
-                F = F1 + 0.6180339887498949 * F3
-                if linear:
-                    F += 0.3819660112501051 * F2
-                force_of[i] = F
-                size += abs(F1) + abs(F3)
+                    F = F[0] - G * place[0], F[1], F[2] - G * place[2]
+                force_of[i] = _scalar(F, linear)
+                size += abs(F[0]) + abs(F[2])
             if moment:
                 cos_alpha = math.sqrt(1.0 - S)
-                M1, M2, M3 = ray.moment(u1, u2, u3, n1, n2, n3, cos_alpha, Q_sc, G)
-                m1 += M1
-                m2 += M2
-                m3 += M3
+                m = _plus_3(m, ray.moment(*u, *n, cos_alpha, Q_sc, G))
             if gradient:
-                dQ_sc *= w
-                dG *= w
-                J11, J12, J13, J21, J22, J23, J31, J32, J33 = ray.gradient_of_force(
-                    u1, u2, u3, n1, n2, n3, radius, Q_sc, dQ_sc, G, dG
-                )
                 if linear:
+                    dQ_sc += sigma * dX
+                    dG += sigma * dY
                     X *= w
                     Y *= w
-                    d1, d2, d3 = ray.gradient_of_polarisation(
-                        u1, u2, u3, n1, n2, n3, radius, E1, E2, E3, H1, H2, H3
-                    )
-                    T11, T12, T13, T21, T22, T23, T31, T32, T33 = ray.turning_force(
-                        u1, u2, u3, n1, n2, n3, radius, X, Y, d1, d2, d3
-                    )
-                    J11 += T11
-                    J12 += T12
-                    J13 += T13
-                    J21 += T21
-                    J22 += T22
-                    J23 += T23
-                    J31 += T31
-                    J32 += T32
-                    J33 += T33
-                j11 += J11
-                j13 += J13
-                j22 += J22
-                j31 += J31
-                j33 += J33
-                if by_grid or linear:
-                    j12 += J12
-                    j21 += J21
-                    j23 += J23
-                    j32 += J32
-                if moment:
-                    K11, K12, K13, K21, K22, K23, K31, K32, K33 = (
-                        ray.gradient_of_moment(
-                            u1, u2, u3, n1, n2, n3, radius, cos_alpha,
-                            Q_sc, dQ_sc, G, dG,
-                        )
-                    )  # fmt: skip
-                    if linear:
-                        T11, T12, T13, T21, T22, T23, T31, T32, T33 = ray.turning_moment(
-                            u1, u2, u3, n1, n2, n3, cos_alpha, X, Y, d1, d2, d3
-                        )
-                        K11 += T11
-                        K12 += T12
-                        K13 += T13
-                        K21 += T21
-                        K22 += T22
-                        K23 += T23
-                        K31 += T31
-                        K32 += T32
-                        K33 += T33
-                    k12 += K12
-                    k21 += K21
-                    k23 += K23
-                    k32 += K32
-                    if by_grid or linear:
-                        k11 += K11
-                        k13 += K13
-                        k22 += K22
-                        k31 += K31
-                        k33 += K33
-        found[0] += f1 - attraction * place_1
-        found[1] += f2
-        found[2] += f3 - attraction * place_3
-        if by_grid:
-            found[1] -= attraction * place_2
-        if moment:
-            found[3] += m1
-            found[4] += m2
-            found[5] += m3
-        if gradient:
-            for c, value in enumerate((j11, j12, j13, j21, j22, j23, j31, j32, j33)):
-                found[6 + c] += value
-        if gradient and moment:
-            for c, value in enumerate((k11, k12, k13, k21, k22, k23, k31, k32, k33)):
-                found[15 + c] += value
+                dQ_sc *= w
+                dG *= w
+                J = ray.gradient_of_force(*u, *n, radius, Q_sc, dQ_sc, G, dG)
+                if linear:
+                    dsigma = ray.gradient_of_polarisation(*u, *n, radius, *E)
+                    J = _plus_9(J, ray.turning_force(*u, *n, radius, X, Y, *dsigma))
+                j = _plus_9(j, J)
+            if gradient and moment:
+                K = ray.gradient_of_moment(*u, *n, radius, cos_alpha, Q_sc, dQ_sc, G, dG)
+                if linear:
+                    K = _plus_9(K, ray.turning_moment(*u, *n, cos_alpha, X, Y, *dsigma))
+                k = _plus_9(k, K)
+        f = f[0] - attraction * place[0], f[1] - attraction * place[1], f[2] - attraction * place[2]
+        put(found, f, m, j, k)
         return size
 
     return add_up
