@@ -81,8 +81,8 @@ _SPACING = (
 #: browsers draw its letters, not the attribute
 _BOLD_GREEK = re.compile(r'(?<=<mi) mathvariant="bold-italic">&#x00(3[BC][0-9A-F]);')
 
-#: pages of numbers to be compared down a column, whose tables scroll on a phone; others stack
-NUMBERS = ("benchmarks.md", "scaling.md")
+#: beginnings of the names of pages with tables of numbers, which scroll on a phone; others stack
+NUMBERS = ("benchmarks.md", "evidence-", "scaling.md")
 _TABLE = re.compile(r"<table>\n<thead>.*?</table>", re.DOTALL)
 
 #: figures within a notebook, which nbconvert gives no text
@@ -156,7 +156,7 @@ def on_page_content(content: str, page: Page, config: MkDocsConfig, files: Files
     content = _FORMULA.sub(drawn, content)
     for dollar in re.finditer(r".{0,40}\$.{0,40}", _DRAWN.sub("", content)):
         _log.warning("%s: a formula without its end: %s", page.file.src_uri, dollar[0])
-    if page.file.src_uri not in NUMBERS:
+    if not page.file.src_uri.startswith(NUMBERS):
         content = _TABLE.sub(_labelled, content)
 
     def sized(image: re.Match[str]) -> str:

@@ -187,7 +187,7 @@ def test_rows_of_tables_are_as_long_as_their_headings():
 
 def test_readme_quotes_the_committed_results():
     force, integrate, brownian = map(pages.committed, ("force", "integrate", "brownian"))
-    quoted = pages.quoted("headline", summary_report.README)
+    quoted = pages.quoted("headline")
     assert quoted == summary_report.headline(force, integrate, brownian)
     figures = re.findall(r"\| ([^|]*) \|\n", quoted)[2:]
     inside = force["headline"]["by_place"]["inside"]
@@ -205,7 +205,7 @@ def test_readme_quotes_the_committed_results():
 
 def test_models_are_quoted_from_the_committed_results():
     integrate = pages.committed("integrate")
-    quoted = pages.quoted("models", summary_report.MODELS)
+    quoted = pages.quoted("models")
     assert quoted == summary_report.models(integrate)
     for name in summary_report.BEADS:
         rows = re.findall(rf"\| {name}, (\S+).*? \| \S+ \| (\S+) \|", quoted)
@@ -219,10 +219,9 @@ def test_models_are_quoted_from_the_committed_results():
 
 @pytest.mark.filterwarnings("ignore::tweezer.PhysicsWarning")  # of the smallest beads
 def test_the_page_that_helps_to_choose_quotes_the_committed_results():
-    page = choosing_report.PAGE
     for name, block in choosing_report.blocks().items():
-        assert pages.quoted(f"choosing-{name}", page) == block, name
-    motion = pages.quoted("choosing-motion", page)
+        assert pages.quoted(f"choosing-{name}") == block, name
+    motion = pages.quoted("choosing-motion")
     off = {
         row[0]: float(row[1].split()[0])
         for row in re.findall(r"\| ([\w-]+) \| .*? µm \| (.*?) \|", motion)
@@ -235,12 +234,10 @@ def test_the_page_that_helps_to_choose_quotes_the_committed_results():
         if (each["model"], each["tolerance"]) == ("overdamped", 1e-11)
     )
     assert off["overdamped"] == pytest.approx(worst, rel=0.1)
-    by_map = re.search(
-        r"waves, `map` .*\| (.*) s \| (.*) \|", pages.quoted("choosing-evaluator", page)
-    )
+    by_map = re.search(r"waves, `map` .*\| (.*) s \| (.*) \|", pages.quoted("choosing-evaluator"))
     force = pages.committed("force")["headline"]["by_place"]["inside"]
     saved = 1e-6 * force["waves_us"] - 1e-9 * force["waves_map_ns"]  # s
     assert float(by_map[2].replace(",", "")) == pytest.approx(float(by_map[1]) / saved, rel=0.05)
-    near = re.search(r"\| 0.1 radii \| (\d+) % \| (\d+) %", pages.quoted("choosing-wall", page))
+    near = re.search(r"\| 0.1 radii \| (\d+) % \| (\d+) %", pages.quoted("choosing-wall"))
     # docs/walls.md has the drag at a tenth of a radius
     assert [float(each) for each in near.groups()] == pytest.approx([125.7, 1046], rel=0.06)

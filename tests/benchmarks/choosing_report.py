@@ -20,7 +20,6 @@ from tests.benchmarks.report import rounded
 from tests.benchmarks.summary_report import BEADS
 from tweezer.optics import ray_optics_worth
 
-PAGE = ROOT / "docs/choosing.md"
 #: The thesis's beads in water that remembers; `tweezer reproduce` writes it
 MEMORY = ROOT / "docs/figures/thesis/memory.json"
 #: Gaps between bead and wall, in radii
@@ -241,4 +240,4 @@ def blocks() -> dict[str, str]:
 
 if __name__ == "__main__":
     for _name, _text in blocks().items():
-        pages.quote(f"choosing-{_name}", _text, PAGE)
+        pages.quote(f"choosing-{_name}", _text)

@@ -21,7 +21,6 @@ from tests.benchmarks.timing import ROOT
 from tweezer.plots import style
 from tweezer.trap.quantities import HELD, SHALLOW
 
-PAGE = ROOT / "docs/trapping-diagram.md"
 #: The least powers, one line for each bead and time
 NUMBERS = ROOT / "docs/figures/trapping-diagram.csv"
 #: sizes of the table, um
@@ -186,5 +185,5 @@ def write_numbers(results: Results) -> None:
 
 
 if __name__ == "__main__":
-    pages.renew("diagram", block, figure, PAGE)
+    pages.renew("diagram", block, figure)
     write_numbers(pages.committed("diagram"))

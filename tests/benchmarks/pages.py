@@ -1,4 +1,4 @@
-"""Measured figures in the documentation: each block stands between markers of its own name."""
+"""Blocks of measured figures in the documentation, between markers with the name of the block."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from matplotlib.figure import Figure
 from tests.benchmarks.timing import ROOT
 from tweezer.plots import style
 
-BENCHMARKS = ROOT / "docs/benchmarks.md"
 FIGURES = ROOT / "docs/figures"
 Results = dict[str, Any]
 
 
 def committed(name: str) -> Results:
-    """Results of a benchmark as they were committed."""
+    """Return the committed results of a benchmark."""
     path = ROOT / "tests/benchmarks/results" / f"{name}.json"
     results: Results = json.loads(path.read_text(encoding="utf-8"))
     return results
 
 
 def markdown(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    """The lines of a table, numbers to the right; `ValueError` if a row is not as long as the
-    headings.
+    """Return the lines of a table with its numbers aligned to the right.
+
+    `ValueError` if a row is not as long as the headings.
     """
     rule = ["---", *["---:"] * (len(headings) - 1)]
     whole = [headings, rule, *rows]
@@ -39,12 +39,12 @@ def markdown(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str
 
 
 def tables(each: Iterable[Sequence[Sequence[str]]]) -> list[str]:
-    """The lines of tables whose first rows are their headings, an empty line after each."""
+    """Return the lines of tables that have their headings in the first row."""
     return [line for headings, *rows in each for line in (*markdown(headings, rows), "")]
 
 
 def left_out(what: Mapping[str, Mapping[str, Iterable[str]]], note: str = "") -> list[str]:
-    """What a benchmark does not tell: a list for each reason, an item for each motion or well."""
+    """Return what a benchmark omits: a list for each reason, an item for each motion or well."""
     lines = [] if what else ["", "Left out: nothing."]
     for why, of in what.items():
         lines += ["", f"Left out ({why}{note}):", ""]
@@ -55,12 +55,12 @@ def left_out(what: Mapping[str, Mapping[str, Iterable[str]]], note: str = "") ->
 
 
 def as_table(lines: Iterable[str]) -> list[list[str]]:
-    """The lines of a list as a table of one column, of which the first is the heading."""
+    """Return the lines of a list as a table with one column; the first line is its heading."""
     return [[line] for line in lines if line]
 
 
 def block(name: str, lines: Iterable[str], machine: Results) -> str:
-    """A benchmark's part of its page: its lines, and where they are from."""
+    """Return the block of a benchmark: its lines, its commit and its machine."""
     return "\n".join(
         [
             f"<!-- bench-{name} -->",
@@ -74,27 +74,33 @@ def block(name: str, lines: Iterable[str], machine: Results) -> str:
     )
 
 
-def quoted(name: str, page: Path = BENCHMARKS) -> str:
-    """What stands on a page of a benchmark, markers and all."""
-    (text,) = _between(name).findall(page.read_text(encoding="utf-8"))
+def page(name: str) -> Path:
+    """Return the page that quotes a block: the README or a page of docs/."""
+    (found,) = (
+        path
+        for path in (ROOT / "README.md", *(ROOT / "docs").glob("*.md"))
+        if f"<!-- bench-{name} -->" in path.read_text(encoding="utf-8")
+    )
+    return found
+
+
+def quoted(name: str) -> str:
+    """Return a block as its page quotes it, including its markers."""
+    (text,) = _between(name).findall(page(name).read_text(encoding="utf-8"))
     return str(text)
 
 
-def quote(name: str, text: str, page: Path = BENCHMARKS) -> None:
-    """Put a block in the place of the one that stands there."""
-    whole = page.read_text(encoding="utf-8")
-    page.write_text(_between(name).sub(lambda _: text, whole), encoding="utf-8")
+def quote(name: str, text: str) -> None:
+    """Replace the block of this name on its page."""
+    path = page(name)
+    whole = path.read_text(encoding="utf-8")
+    path.write_text(_between(name).sub(lambda _: text, whole), encoding="utf-8")
 
 
-def renew(
-    name: str,
-    written: Callable[[Results], str],
-    drawn: Callable[[Results], Figure],
-    page: Path = BENCHMARKS,
-) -> None:
+def renew(name: str, written: Callable[[Results], str], drawn: Callable[[Results], Figure]) -> None:
     """Write a benchmark's block and draw its figure again, from the committed results."""
     results = committed(name)
-    quote(name, written(results), page)
+    quote(name, written(results))
     with (FIGURES / f"bench-{name}.png").open("wb") as file:
         style.save(drawn(results), file, "png")
 

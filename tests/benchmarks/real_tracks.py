@@ -28,7 +28,6 @@ from tweezer.plots import style
 
 Results = dict[str, Any]
 
-PAGE = ROOT / "docs/free-beads.md"
 #: The camera's and the tracker's, and of the water; its temperature is not said
 READING = {"rate": "15 Hz", "scale": "11.66 px/um"}
 TEMPERATURE, VISCOSITY = "20 degC", "1.002 mPa s"
@@ -149,6 +148,6 @@ if __name__ == "__main__":
         kept = json.dumps(measure(Path(sys.argv[1])), indent=2) + "\n"
         (ROOT / "tests/benchmarks/results/real_tracks.json").write_text(kept, encoding="utf-8")
     found = pages.committed("real_tracks")
-    pages.quote("real-tracks", block(found), PAGE)
+    pages.quote("real-tracks", block(found))
     with (pages.FIGURES / "free-tracks.png").open("wb") as file:
         style.save(figure(found), file, "png")

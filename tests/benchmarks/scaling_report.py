@@ -16,10 +16,7 @@ from tests.benchmarks import pages
 from tests.benchmarks.pages import Results
 from tests.benchmarks.report import rounded
 from tests.benchmarks.scaling import CORES, STATISTICS
-from tests.benchmarks.timing import ROOT
 from tweezer.plots import style
-
-PAGE = ROOT / "docs/scaling.md"
 
 _UNITS = (("years", 365.25 * 86400.0), ("days", 86400.0), ("h", 3600.0), ("min", 60.0), ("s", 1.0))
 
@@ -154,4 +151,4 @@ def block(results: Results) -> str:
 
 
 if __name__ == "__main__":
-    pages.renew("scaling", block, figure, PAGE)
+    pages.renew("scaling", block, figure)

@@ -11,10 +11,9 @@ from typing import Any
 import tweezer
 from tests.benchmarks import pages
 from tests.benchmarks.integrate_report import converged
-from tests.benchmarks.pages import ROOT, Results
+from tests.benchmarks.pages import Results
 from tests.benchmarks.report import rounded
 
-README, MODELS = ROOT / "README.md", ROOT / "docs/models.md"
 #: Ends the names of the motions of the thesis's beads by its light
 _OF_THE_THESIS = ", rays, map"
 BEADS = ("thesis-1950nm", "thesis-990nm", "thesis-500nm")
@@ -126,9 +125,7 @@ def beads() -> str:
 if __name__ == "__main__":
     integrated = pages.committed("integrate")
     pages.quote(
-        "headline",
-        headline(pages.committed("force"), integrated, pages.committed("brownian")),
-        README,
+        "headline", headline(pages.committed("force"), integrated, pages.committed("brownian"))
     )
-    pages.quote("models", models(integrated), MODELS)
-    pages.quote("beads", beads(), MODELS)
+    pages.quote("models", models(integrated))
+    pages.quote("beads", beads())

@@ -15,7 +15,6 @@ from tweezer.plots import style
 
 #: load average from which on times are not those of an idle machine
 BUSY = 1.0
-PAGE = pages.ROOT / "docs/sweeps.md"
 
 
 def tables(results: Results) -> list[list[list[str]]]:
@@ -79,4 +78,4 @@ def block(results: Results) -> str:
 
 
 if __name__ == "__main__":
-    pages.renew("sweep", block, figure, PAGE)
+    pages.renew("sweep", block, figure)

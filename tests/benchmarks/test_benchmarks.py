@@ -539,7 +539,7 @@ def test_quick_run_of_scaling(command_line, tmp_path):
 
 def test_page_quotes_the_committed_sweep():
     committed = pages.committed("sweep")
-    assert pages.quoted("sweep", sweep_report.PAGE) == sweep_report.block(committed)
+    assert pages.quoted("sweep") == sweep_report.block(committed)
     assert not committed["quick"]
     assert committed["killed"]["same_bytes"]
     assert committed["killed"]["kills"] == sweep.KILLS
@@ -558,7 +558,7 @@ def test_page_quotes_the_committed_pages():
 
 def test_page_quotes_the_committed_scaling():
     committed = pages.committed("scaling")
-    quoted = pages.quoted("scaling", scaling_report.PAGE)
+    quoted = pages.quoted("scaling")
     assert quoted == scaling_report.block(committed)
     assert not committed["quick"]
 
@@ -650,7 +650,7 @@ def test_page_quotes_the_committed_diffusion_of_free_beads():
 def test_page_quotes_what_the_real_tracks_tell():
     """No trap is seen in any; the 3 um beads agree with their displacements lag by lag."""
     results = pages.committed("real_tracks")
-    assert pages.quoted("real-tracks", real_tracks.PAGE) == real_tracks.block(results)
+    assert pages.quoted("real-tracks") == real_tracks.block(results)
     assert len(results["tracks"]) == 10
     for track in results["tracks"]:
         assert track["axes"] == ["x", "y"]
@@ -714,8 +714,7 @@ def test_page_quotes_the_committed_fits():
 
 def test_page_quotes_the_committed_trapping_diagram():
     results = pages.committed("diagram")
-    page = diagram_report.PAGE
-    assert pages.quoted("diagram", page) == diagram_report.block(results)
+    assert pages.quoted("diagram") == diagram_report.block(results)
     numbers = diagram_report.NUMBERS.read_text(encoding="utf-8").splitlines()
     assert len(numbers) == 1 + len(results["least"]) * len(diagram.TIMES)
     for each in results["ensembles"]:

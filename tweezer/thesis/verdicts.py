@@ -595,8 +595,8 @@ def _hidden_start(evidence: Evidence) -> Judgement:
 
     It does if `fit_depth` determines it from most of five tracks of each bead, and its interval
     contains the true height. For the smallest bead it does so for three tracks in four, by the
-    benchmark of 200 (docs/benchmarks.md): for most of five in 19 draws of 20, for all but one in
-    two draws of three.
+    benchmark of 200 (docs/evidence-depth.md): for most of five in 19 draws of 20, for all but one
+    in two draws of three.
     """
     rng = np.random.default_rng(_CAMERA_SEED)
     off, half, hits = {}, {}, {}
