@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 
 import tweezer
 from tweezer.plots.scene import add_caveat, draw_cones
+from tweezer.scene.heading import heading, of_changes
 from tweezer.trap.holding import Lifetime
 from tweezer.viewing import of_ensemble, of_sweep, of_trap, saved_trap
-from tweezer.viewing.heading import heading, of_changes
 from tweezer.viewing.page import Page
 from tweezer.viewing.setting import of_the_picture, scene_facts
 

@@ -12,11 +12,11 @@ from tweezer.dynamics import bound_once
 from tweezer.ensembles.statistics import error_of_part, joined, moments
 from tweezer.results.io import scene_of
 from tweezer.scene import Scene
+from tweezer.scene.heading import heading, of_changes
 from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
 from tweezer.viewing.arrays import Packed, float32, uint16
 from tweezer.viewing.content import Content, Row
-from tweezer.viewing.heading import heading, of_changes
 from tweezer.viewing.rows import computed_by, of_number
 from tweezer.viewing.setting import of_the_picture, scene_facts
 

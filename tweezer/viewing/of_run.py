@@ -15,13 +15,13 @@ from tweezer.runs.resolved import resolved
 from tweezer.runs.summary import Summary, summary_of
 from tweezer.scene import Scene
 from tweezer.scene.bead import bead_properties
+from tweezer.scene.heading import heading, of_changes
 from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
 from tweezer.values.errors import ResultError
 from tweezer.values.prefixes import per
 from tweezer.viewing.arrays import Packed, float32
 from tweezer.viewing.content import Content, Row
-from tweezer.viewing.heading import heading, of_changes
 from tweezer.viewing.rows import NOT_KNOWN, computed_by, of_number, si
 from tweezer.viewing.setting import of_the_picture, scene_facts
 

@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.results.io import scene_of
+from tweezer.scene.heading import heading, named, of_changes
 from tweezer.sweeps.quantities import FAILED, MISSING, quantities_of
 from tweezer.trap.quantities import STABLE
 from tweezer.values.measured import DIMENSIONS
 from tweezer.values.prefixes import in_tables, typeset
 from tweezer.viewing.arrays import Packed, float32
 from tweezer.viewing.content import Content, Row
-from tweezer.viewing.heading import heading, named, of_changes
 from tweezer.viewing.rows import computed_by
 
 if TYPE_CHECKING:

@@ -13,13 +13,13 @@ from scipy.ndimage import map_coordinates, maximum_filter, spline_filter1d
 from tweezer.dynamics import Problem, bound_once
 from tweezer.optics import Beams
 from tweezer.optics.light import LightForce
+from tweezer.scene.heading import heading, of_changes
 from tweezer.trap import Escape, Trap
 from tweezer.trap.quantities import LIFETIME, POWER
 from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
 from tweezer.viewing.arrays import float32
 from tweezer.viewing.content import Content, Row
-from tweezer.viewing.heading import heading, of_changes
 from tweezer.viewing.rows import of_number, si
 from tweezer.viewing.setting import of_the_picture, scene_facts
 

@@ -1,4 +1,4 @@
-"""Titles of pages: the name of a scene and, in words, the changes to it."""
+"""Titles of pages and figures: the name of a scene and, in words, the changes to it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ import re
 
 import numpy as np
 
-from tweezer.scene import Scene, described_at
+from tweezer.scene.scene import Scene
+from tweezer.scene.settings import described_at
 from tweezer.values.errors import SceneError
 from tweezer.values.prefixes import usual_unit
 
@@ -30,7 +31,7 @@ _IN_PRINT = {
 
 
 def heading(scene: Scene, title: str) -> str:
-    """Return the title of a page: a scene's own title or, of a changed scene, its name and three
+    """Return the title of a page: a scene's own title or, for a changed scene, its name and three
     changes.
 
     title: as the result has it. One that is not the scene's own is kept.
@@ -50,6 +51,13 @@ def of_changes(scene: Scene) -> list[str]:
     changes.
     """
     return [f"The scene is {scene.title}."] if scene.changed else []
+
+
+def changes(scene: Scene) -> str:
+    """Return every change to a scene in words, such as "bead diameter 0.8 um"; "" without one."""
+    told = ", ".join(_change(key, text) for key, text in scene.changed.items())
+    stale = re.search(r" \([^()]* as before\)$", scene.title)
+    return told + (stale[0] if told and stale else "")
 
 
 def named(key: str) -> str:
