@@ -90,8 +90,9 @@ _FIGURE = re.compile(r'<img alt="[^"]*"([^>]*?) src="data:image/png;base64,([^"]
 
 
 def on_config(config: MkDocsConfig) -> None:
-    """Put the notebooks into the navigation."""
-    (section,) = (entry for entry in config.nav if isinstance(entry, dict) and "Notebooks" in entry)
+    """List the notebooks under Physics in the navigation."""
+    (physics,) = (tab["Physics"] for tab in config.nav if "Physics" in tab)
+    (section,) = (entry for entry in physics if isinstance(entry, dict) and "Notebooks" in entry)
     section["Notebooks"] = NOTEBOOKS
 
 
