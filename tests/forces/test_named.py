@@ -133,3 +133,18 @@ def test_command_run_has_the_force_in_its_file(command_line, file):
     refused = command_line(*run)
     assert refused.code == 2
     assert "already holds a run with other forces" in refused.err
+
+
+def test_command_characterises_the_trap_of_a_force_in_a_file(file, command_line):
+    dark = ("--set", "forces.optical=false", "--set", "forces.gravity=false")
+    dark += ("--set", "forces.buoyancy=false")
+    done = command_line(
+        "trap", "silica-1um", *dark, "--force", "handles.py:spring", "--json", "t.json"
+    )
+    assert done.code == 0, done.err
+    found = tweezer.load("t.json")
+    assert found.other_forces == 1
+    np.testing.assert_allclose(found.stiffness, STIFFNESS * np.eye(3), atol=1e-9 * STIFFNESS)
+    refused = command_line("trap", "silica-1um", "--force", "handles.py:spring", "--plot", "t.png")
+    assert refused.code == 2
+    assert "--force: cannot be combined with --plot" in refused.err

@@ -323,6 +323,49 @@ def test_command(scene, recording, command_line):
     assert Path("fit.png").read_bytes().startswith(b"\x89PNG")
 
 
+SPRING = """
+from tweezer.forces import UserForce, kernel, number
+
+
+@kernel
+def pull(pose, data, wrench):
+    for i in range(len(pose.position)):
+        for k in range(3):
+            wrench.force[i, k] -= number(data, 0) * pose.position[i, k]
+
+
+spring = UserForce(pull, (2e-5,))
+"""
+
+
+def test_power_of_a_trap_beside_a_spring_of_known_stiffness(scene, tmp_path, command_line):
+    """Within four standard uncertainties, false alarm 1e-4; without the spring it is too large."""
+    trap = tweezer.characterise(scene)
+    light, drag = trap.equilibrium.stiffness[0][0], trap.drag[0]
+    rng = np.random.default_rng(17)
+    seen = blurred(light + 2e-5, drag, scene.medium.temperature, rng)
+    recording = Recording(np.arange(FRAMES) / RATE, seen[:, None], ("x",), name="two springs")
+    (tmp_path / "handles.py").write_text(SPRING)
+    own = f"{tmp_path / 'handles.py'}:spring"
+    found = tweezer.fit(recording, scene, free=[POWER], forces=[own])
+    assert abs(found[POWER].value - 10e-3) < 4 * found[POWER].uncertainty
+    assert "with 1 force of your own" in found.likelihood
+    alone = tweezer.fit(recording, scene, free=[POWER])[POWER]
+    assert alone.value / 10e-3 == pytest.approx(1 + 2e-5 / light, rel=0.1)
+    assert 1 + 2e-5 / light > 1.3
+    np.savetxt("x.csv", recording.positions, header="x", comments="")
+    settings = [f"camera.rate={RATE}", f"camera.exposure={1 / RATE}", f"camera.noise={NOISE}"]
+    arguments = [part for each in settings for part in ("--set", each)]
+    done = command_line(
+        "fit", "x.csv", "--rate", f"{RATE} Hz", "--scene", "silica-1um", *arguments,
+        "--set", "beam.power_through_pupil=10 mW", "--set", "simulation.model=overdamped",
+        "--free", POWER, "--force", own, "--out", "own.json",
+    )  # fmt: skip
+    assert done.code == 0, done.err
+    (key,) = json.loads(Path("own.json").read_text())["keys"]
+    assert key["value"] == pytest.approx(found[POWER].value, rel=1e-6)
+
+
 def test_exit_code_of_a_fit_that_determines_nothing_is_1(recording, command_line):
     np.savetxt("a.csv", recording.positions, delimiter=",", header="x [m],y [m]", comments="")
     done = command_line(

@@ -14,6 +14,7 @@ from tweezer.cli.app import (
     FigureFile,
     JsonFile,
     Overwrite,
+    OwnForces,
     Rate,
     Scale,
     Skip,
@@ -63,6 +64,7 @@ def fit(
         ),
     ] = None,
     set: Changes = None,
+    force: OwnForces = None,
     columns: Columns = None,
     rate: Rate = None,
     scale: Scale = None,
@@ -96,7 +98,7 @@ def fit(
         for each in recordings
     ]
     with showing_progress(loaded[0].name, 1.0) as progress:
-        found = fitted(loaded, described, free=free, progress=progress)
+        found = fitted(loaded, described, free=free, forces=force or [], progress=progress)
     print_card(found.card())
     if out:
         result = {

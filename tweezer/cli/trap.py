@@ -14,6 +14,7 @@ from tweezer.cli.app import (
     FigureFile,
     JsonFile,
     Overwrite,
+    OwnForces,
     SceneName,
     app,
     bind_light,
@@ -63,6 +64,7 @@ def trap(
         int | None, typer.Option(help="How many heights; 19 if not given.", min=1, max=10_000)
     ] = None,
     set: Changes = None,
+    force: OwnForces = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -83,6 +85,9 @@ def trap(
     described = scene_with(scene, settings_of(set or []))
     out = out and writable_result(out, ("nc",) if heights else ("json",), overwrite=overwrite)
     plot = writable_figure(plot, overwrite=overwrite)
+    if force and (heights or plot):
+        option = "--heights" if heights else "--plot"
+        raise SceneError(f"--force: cannot be combined with {option}")
     if heights:
         _trap_over(described, heights, count or 19, out, plot)
         return
@@ -92,7 +97,7 @@ def trap(
 
     from tweezer.trap import characterise
 
-    characterised = characterise(described)
+    characterised = characterise(described, forces=force or [])
     _ = characterised.lifetime  # computed where it is asked for
     print_card(characterised.card())
     if out:

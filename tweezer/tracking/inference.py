@@ -19,9 +19,11 @@ from scipy.optimize import brentq
 
 from tweezer.calibration.findings import REFUTED
 from tweezer.calibration.settling import unsettled
+from tweezer.forces.acting import forces_of
+from tweezer.forces.force import Force
 from tweezer.optics import rows_of_light
 from tweezer.reading.recording import Recording, load_recording
-from tweezer.scene import Scene, checked_scene
+from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.tracking.profile import LEVEL
 from tweezer.tracking.scene_misfit import Least, Misfit
 from tweezer.values.errors import ResultError
@@ -126,9 +128,10 @@ class SceneFit(Shown):
 
 def fit(
     recordings: Recording | xr.Dataset | str | Path | Sequence[Recording | str | Path],
-    scene: Scene | None = None,
+    scene: SceneLike | None = None,
     *,
     free: Sequence[str],
+    forces: Sequence[Force | str] = (),
     progress: Callable[[float], None] | None = None,
 ) -> SceneFit:
     """Fit keys of a scene to recordings of its bead at rest in the trap.
@@ -157,6 +160,9 @@ def fit(
     free : sequence of str
         Keys of the scene, such as "bead.diameter", "beam.power", "medium.viscosity" or
         "camera.noise".
+    forces : sequence of Force or str, optional
+        The user's own forces, beside those of the scene (`tweezer.forces`). They do not depend on
+        the free keys. Text names a force in a Python file, such as "handles.py:spring".
     progress : callable, optional
         Called with the part done, 0 to 1.
 
@@ -183,7 +189,8 @@ def fit(
     if scene is None:
         raise ResultError(f"{loaded[0].name}: needs a scene")
     free = (free,) if isinstance(free, str) else tuple(free)
-    misfit = Misfit(loaded, scene, free)
+    own = forces_of(forces)
+    misfit = Misfit(loaded, scene, free, own)
     for each in loaded:
         _refuse_unsettled(each)
     tell = progress or (lambda _: None)
@@ -202,7 +209,7 @@ def fit(
     return SceneFit(
         tuple(each.name for each in loaded), misfit.scene(best.at), tuple(found), -best.value / 2,
         sum(len(each.times) for each in loaded), p,
-        _likelihood(misfit), "; ".join(_told(misfit, best, rivals, found, p)),
+        _likelihood(misfit, len(own)), "; ".join(_told(misfit, best, rivals, found, p)),
     )  # fmt: skip
 
 
@@ -239,16 +246,26 @@ def _refuse_unsettled(recording: Recording) -> None:
         )
 
 
-def _likelihood(misfit: Misfit) -> str:
-    """Return the words for the fitted spectra: frequencies, sampling intervals and inertia."""
+def _likelihood(misfit: Misfit, own: int) -> str:
+    """Return the words for the fitted spectra: frequencies, sampling intervals and inertia.
+
+    own: number of the user's own forces.
+    """
     steps = [each.step for each in misfit.recordings]
     lowest = min(float(each.periodogram.frequencies[0]) for each in misfit.spectra)
     bands = [_short(lowest, "1/s"), _short(0.5 / min(steps), "1/s")]
     every = list(dict.fromkeys(_short(step, "s") for step in sorted(steps)))
     return (
         f"power spectrum from {bands[0]} to {bands[1]}, steps of {' and '.join(every)}, "
-        f"{misfit.inertia.words}"
+        f"{misfit.inertia.words}{_with_own(own)}"
     )
+
+
+def _with_own(count: int) -> str:
+    """Return the words for a number of the user's own forces; "" for none."""
+    if not count:
+        return ""
+    return f", with {count} {'force' if count == 1 else 'forces'} of your own"
 
 
 def _short(value: float, unit: str) -> str:

@@ -20,6 +20,7 @@ from tweezer.calibration.wall import ACROSS
 from tweezer.dynamics.problem import bound_once
 from tweezer.fluid import LOWEST
 from tweezer.forces.equilibria import nearest_stable
+from tweezer.forces.force import Force
 from tweezer.reading.recording import Recording
 from tweezer.scene import Scene, described_at, value_at, with_settings
 from tweezer.tracking.mean_spring import mean_spring
@@ -155,13 +156,20 @@ class Misfit:
     A place q (n,) has one coordinate for each of the n free keys (`FreeKey`). It is 0 at the scene.
     """
 
-    def __init__(self, recordings: Sequence[Recording], scene: Scene, free: Sequence[str]) -> None:
+    def __init__(
+        self,
+        recordings: Sequence[Recording],
+        scene: Scene,
+        free: Sequence[str],
+        forces: Sequence[Force] = (),
+    ) -> None:
         if not free:
             raise SceneError("free: nothing to fit; name one or more keys of the scene")
         for key in free:
             if list(free).count(key) > 1:
                 raise SceneError(f"free = {key!r}: given more than once")
         self._scene, self.recordings = _with_camera(scene, recordings, free), recordings
+        self._forces = forces
         # a run has the inertia that it was made with, whatever the scene of the fit says
         every = {Inertia.of(each.scene or scene) for each in recordings}
         if len(every) > 1:
@@ -198,7 +206,7 @@ class Misfit:
             warnings.simplefilter("ignore", PhysicsWarning)
             try:
                 scene = self.scene(np.array(place))
-                problem = bound_once(scene)
+                problem = bound_once(scene, self._forces)
             except SceneError as error:
                 return str(error)
         if not problem.force.steady:
