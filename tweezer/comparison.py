@@ -1,4 +1,4 @@
-"""Comparison of two results: whether they agree within their errors, and where they do not."""
+"""Comparison of two results within their errors, quantity by quantity."""
 
 from __future__ import annotations
 
@@ -32,21 +32,21 @@ from tweezer.values.printed import printed
 from tweezer.values.saved import COMPARED, kind_of, read_json, refusal
 from tweezer.values.shown import Card, Row, Shown, Table, clipped
 
-#: Probability with which two results of the same statistics are taken to differ
+#: Probability that a comparison with thermal motion wrongly finds a difference
 FALSE_ALARM = 0.01
 #: Largest number of times at which ensembles are compared
 _TIMES = 20
-#: Smallest number of independent samples, or of trajectories, of a statistical comparison
+#: Smallest number of independent samples, or of trajectories, for a statistical comparison
 _INDEPENDENT = 20
-#: Independent samples for each degree of freedom of their standard error: a sum of correlations up
+#: Independent samples for each degree of freedom of their standard error. A sum of correlations up
 #: to a lag w has n/(2 w + 1) (U. Wolff, Comput. Phys. Commun. 156, 143 (2004)), and w is three
-#: statistical inefficiencies
+#: statistical inefficiencies.
 _WINDOWS = 6
-#: Numbers that are read at once
+#: Numbers of a dataset read at a time
 _READ = 2_000_000
-#: Rounding of a number, relative
+#: Relative rounding error of a time or value
 _ROUNDING = 1e-12
-#: Attributes that are compared beside the keys of the scene
+#: Attributes of a dataset that are compared in addition to the keys of the scene
 _ATTRIBUTES = (
     "model", "method", "fluid_inertia", "theory", "force_evaluator", "step", "seed",
     "trajectories", "of", "tweezer_version", "numpy_version", "scipy_version", "numba_version",
@@ -54,59 +54,59 @@ _ATTRIBUTES = (
 
 
 class Numbers(NamedTuple):
-    """The numbers of one quantity of a result, with their errors."""
+    """Values of one quantity of a result, with their errors."""
 
     unit: str
     """SI unit of the values and errors"""
     values: Array
     """any shape; if the quantity is a vector, the last axis is its components"""
     errors: Array
-    """error of each number, or of each vector (then one axis less than `values`): bounds, or
-    standard errors for a result with thermal motion"""
+    """error of each number, or of each vector (then one axis fewer than `values`): bounds without
+    thermal motion, standard errors with it"""
     where: Callable[[tuple[int, ...]], str]
-    """function that returns the place of the error with an index, in words, such as "along x\""""
+    """function that describes an entry of `errors` by its index, such as "along x\""""
     freedom: float | Array = math.inf
     """degrees of freedom of the standard errors: one number, or one for each error"""
     is_variance: bool = False
     """whether the values are variances, which are compared by their ratio"""
     parts: float | Array = math.nan
-    """number of samples, windows or trajectories from whose scatter the errors are estimated"""
+    """number n of samples, windows or trajectories whose scatter gives the errors"""
     part: str = ""
-    """name of such a part, with its spacing or length; if it is the same in both results, their
-    scatter is estimated from both together; "" if it is estimated from each alone"""
+    """name of such a part with its spacing or length, such as "window 1 ms". If both results have
+    the same, their scatters are pooled; "" if each result uses its own scatter"""
 
     @property
     def vectors(self) -> bool:
-        """Whether each error is that of a vector, not of a number."""
+        """Whether the values are vectors with one error each."""
         return self.values.ndim > self.errors.ndim
 
 
 class Found(NamedTuple):
-    """Contents of a result that are compared with those of another."""
+    """Contents of a result at the times of a comparison."""
 
     numbers: dict[str, Numbers]
-    """numbers by the name of their quantity"""
+    """numbers of each quantity, by its name"""
     words: dict[str, str] | None = None
-    """words by name, such as the outcome of a run, which must be equal"""
+    """words by name, such as the outcome of a run, which must be equal in both results"""
     left_out: str = ""
-    """note on data that the numbers do not use, such as samples without a position; "" for none"""
+    """note on data that the numbers omit, such as samples without a position; "" for none"""
     obstacle: str = ""
     """reason why the numbers can be tested only for being identical, such as too few samples; ""
-    for none"""
+    if there is no obstacle"""
 
 
 class _Apart(NamedTuple):
-    """Differences of one quantity between two results. Each array has the shape of its errors."""
+    """Differences of one quantity between two results, one for each error."""
 
     difference: Array
-    """absolute difference, or distance of two vectors; infinite if only one result has the number
-    and errors are bounds"""
+    """absolute difference, or distance of two vectors; infinite if errors are bounds and only one
+    result has the number"""
     allowed: Array
-    """sum of both bounds, or standard error of the difference"""
+    """sum of both error bounds, or the standard error of the difference"""
     ratio: Array
-    """`difference` over `allowed`; 0 where it is not known"""
+    """`difference` over `allowed`; 0 if either is unknown"""
     chance: Array | None
-    """probability of a difference as large or larger; None if errors are bounds"""
+    """probability of a difference at least as large by chance; None if errors are bounds"""
     had: NDArray[np.bool_]
     """whether at least one of the results has the number"""
     known: NDArray[np.bool_]
@@ -114,46 +114,46 @@ class _Apart(NamedTuple):
 
 
 class Source(NamedTuple):
-    """A result to be compared, whose numbers are read or computed when they are needed."""
+    """A result to be compared; its numbers are read or computed on demand."""
 
     name: str
-    """of its file, or "first" or "second\""""
+    """name of its file; "first" or "second" without a file"""
     kind: str
-    """such as "thermal run"; only results of one kind are compared"""
+    """kind of result, such as "thermal run"; only results of the same kind are compared"""
     statistical: bool
     """whether errors are standard errors, not bounds"""
     about: dict[str, Any]
-    """keys of the scene, and attributes that say how it was computed, with their values"""
+    """values of the scene's keys, and attributes such as method and versions"""
     times: Array | None
-    """(n,) s: times at which it may be compared; None for a result without times"""
+    """(n,) times at which the result can be compared, s; None for a result without times"""
     found: Callable[[NDArray[np.int64]], Found]
-    """function that returns the contents at the times with these indices into `times`"""
+    """function that returns the contents at the times with the given indices into `times`"""
     model_error: float = 0.0
-    """error of the model for the positions of a run, m; added if the other run has another model"""
+    """model error of the positions of a run, m; added if the two runs have different models"""
     over: str = ""
-    """keys of a sweep and their values; "" for other results"""
+    """description of the keys of a sweep and their values; "" for other results"""
     dataset: xr.Dataset | None = None
     """the whole dataset; None for a trap or a calibration"""
 
 
 @dataclass(frozen=True)
 class Compared:
-    """Outcome of the comparison of one quantity: its largest difference, in units of its error."""
+    """Outcome of the comparison of one quantity, with its most significant difference."""
 
     name: str
     unit: str
     """SI unit of the difference"""
     count: int
-    """number of numbers, or vectors, that were compared"""
+    """number of values, or vectors, that were compared"""
     difference: float
-    """difference of the two numbers that are furthest apart relative to their errors"""
+    """largest difference relative to its error"""
     allowed: float
-    """sum of both errors of these numbers, or the standard error of their difference"""
+    """sum of the two errors of these values, or the standard error of their difference"""
     where: str
-    """place of these numbers in words, such as "along x"; "" for a single number"""
+    """description of their position in the result, such as "along x"; "" for a single value"""
     p_value: float | None
-    """probability of standardised differences as large or larger among so many numbers, of
-    results of the same statistics; None if errors are bounds"""
+    """probability that chance alone makes the largest of `count` differences at least this large;
+    None if errors are bounds"""
     agrees: bool
     """whether the difference is within the errors, or p_value is not below 1 %"""
 
@@ -293,10 +293,11 @@ def compare(a: Given, b: Given) -> Comparison:
 def _check_left(
     names: tuple[str, str], apart: Mapping[str, _Apart], same: bool, words: Any
 ) -> None:
-    """Raise `ResultError` if nothing was compared, or nothing of one quantity.
+    """Raise `ResultError` if no value could be compared at all, or none of one quantity.
 
-    names: of both results. apart: differences by quantity. same: whether all numbers are identical.
-    words: words that were compared, if any; an outcome other than failed or missing suffices.
+    `names` are the names of both results, and `apart` the differences by quantity. Identical
+    results pass (`same`), and so do results that have `words`, such as an outcome, unless every
+    word is "failed" or "not computed".
     """
     told = words and any(word not in (FAILED, MISSING) for word in words.values())
     if not told and not any(each.had.any() for each in apart.values()):
@@ -310,14 +311,14 @@ def _check_left(
 
 
 def _model(of: Source) -> tuple[Any, ...]:
-    """Return the model of motion and the fluid's inertia, which share one model error."""
+    """Return the model of motion and fluid inertia; runs with equal ones share a model error."""
     return of.about.get("model"), of.about.get("fluid_inertia")
 
 
 def _off(found: Found, source: Source) -> Found:
-    """Return the contents of a run with its model error, m, added to each error.
+    """Return the contents of a run with the model error of `source`, m, added to each error.
 
-    Runs by different models differ by the errors of both models; runs by one model share its error.
+    It is needed for runs with different models; runs with the same model share their model error.
     """
     numbers = {
         name: each._replace(errors=each.errors + source.model_error)
@@ -327,10 +328,10 @@ def _off(found: Found, source: Source) -> Found:
 
 
 def _common_times(a: Source, b: Source) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the indices, in each result, of the times after the first that both have.
+    """Return the indices, in each result, of the times that both have, except the first time.
 
-    At most 20 of them, evenly spaced, are taken if errors are standard errors, because numbers at
-    neighbouring times are correlated. Raises `ResultError` if there are none.
+    If errors are standard errors, at most 20 evenly spaced times are used, because values at
+    neighbouring times are correlated. Raises `ResultError` without a common time.
     """
     if a.times is None or b.times is None:
         none = np.zeros(0, np.int64)
@@ -352,10 +353,11 @@ def _notes(
     of: Source, names: tuple[str, str], a: Found, b: Found, apart: Mapping[str, _Apart],
     times: int, same: bool,
 ) -> Iterator[str]:  # fmt: skip
-    """Yield sentences on how two results were compared, and on the numbers that were left out.
+    """Yield sentences on how two results were compared and how many numbers were left out.
 
-    of: the first result. a, b: contents of both. apart: differences by quantity. times: number of
-    times compared. same: whether all numbers are identical.
+    `of` is the first result, `a` and `b` are the contents of both, and `apart` is the differences
+    by quantity. `times` is the number of times compared, and `same` whether the results are
+    identical.
     """
     if of.statistical and not same:
         yield (
@@ -382,8 +384,9 @@ def _notes(
 def _apart(name: str, a: Numbers, b: Numbers, statistical: bool) -> _Apart:
     """Compute the differences of one quantity between two results, and their probabilities.
 
-    statistical: whether errors are standard errors. Then a difference over its standard error is
-    compared with Student's distribution, and a ratio of variances with the F distribution.
+    Errors are standard errors if `statistical`, otherwise bounds. With standard errors, Student's
+    distribution gives the probability of a difference, and the F distribution that of a ratio of
+    variances.
     """
     if a.values.shape != b.values.shape:
         raise ResultError(
@@ -405,7 +408,7 @@ def _apart(name: str, a: Numbers, b: Numbers, statistical: bool) -> _Apart:
     one_alone = ~np.isfinite(apart)
     if statistical:
         known = had & ~one_alone & np.isfinite(errors)
-    else:  # a number that only one of them has is a difference, whatever its error
+    else:  # with bounds, a number that only one result has is a difference, whatever its error
         known = had & (alike | one_alone | np.isfinite(errors))
         apart = np.where(one_alone, math.inf, apart)
     # `allowed` includes rounding, so that identical physics passes where errors are zero
@@ -415,8 +418,8 @@ def _apart(name: str, a: Numbers, b: Numbers, statistical: bool) -> _Apart:
     np.divide(apart, allowed, out=ratio, where=known & ~alike)
     chance = None
     if statistical:
-        # `deviate` is negative, so that its distribution function is the one-sided probability;
-        # numbers that are no variances have their ratio instead
+        # `deviate` is negative, so its distribution function is the one-sided probability.
+        # Quantities other than variances use the ratio instead.
         deviate = np.where(np.isnan(deviate), -ratio, deviate)
         one = np.where(np.isinf(freedom), ndtr(deviate), stdtr(freedom, deviate))
         chance = np.where(known & ~alike, 2 * one, 1.0)
@@ -426,10 +429,10 @@ def _apart(name: str, a: Numbers, b: Numbers, statistical: bool) -> _Apart:
 def _by_chance(a: Numbers, b: Numbers) -> tuple[Array, Array, Array]:
     """Return the standard errors of the differences, their degrees of freedom, and deviates.
 
-    The ratio of two variances has the F distribution. A variance s^2 with standard error e has
-    2 s^4/e^2 degrees of freedom (L. H. Shoemaker, Am. Stat. 57, 105 (2003)), which is the number of
-    parts less one for Gaussian numbers. The deviate is the standard normal number, at most 0, whose
-    one-sided probability equals that of the ratio; it is NaN for numbers that are no variances.
+    A deviate expresses a ratio of two variances as a standard normal number with the same one-sided
+    probability as the ratio in the F distribution. It is at most 0, and NaN for other quantities. A
+    variance s^2 with the standard error e has 2 s^4/e^2 degrees of freedom (L. H. Shoemaker, Am.
+    Stat. 57, 105 (2003)), the number of parts less one for Gaussian numbers.
 
     If both results are sampled alike, their errors and variances are averaged over both, weighted
     by their numbers of parts. In the code, e holds squared standard errors.
@@ -439,7 +442,7 @@ def _by_chance(a: Numbers, b: Numbers) -> tuple[Array, Array, Array]:
     deviate = np.array(np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):
         if a.part and a.part == b.part:
-            # of each alone, a few parts that happen to lie close would have a low error too
+            # one result alone could have a small error because a few parts agree by chance
             freedom, both = np.add(a.freedom, b.freedom), np.add(a.parts, b.parts)
             # variance of a single part, n e^2 in each result, averaged over all n_a + n_b parts
             scatter = (a.parts**2 * e[0] + b.parts**2 * e[1]) / both
@@ -454,13 +457,14 @@ def _by_chance(a: Numbers, b: Numbers) -> tuple[Array, Array, Array]:
 
 
 def _compared(name: str, a: Numbers, apart: _Apart, count: int) -> Compared:
-    """Return the outcome for one quantity, from the number with the least probable difference.
+    """Return the outcome for one quantity, determined by its least probable difference.
 
-    count: number of numbers of all quantities, by which the probability is multiplied (Bonferroni).
+    `count` is the number of values of all quantities together, by which the probability is
+    multiplied (Bonferroni).
     """
     ratio = np.where(apart.known, apart.ratio, -1.0)
     chance = np.ones_like(ratio) if apart.chance is None else apart.chance
-    # the least likely; of those that are alike in that, the one farthest apart
+    # the least probable; among equally probable ones, the largest ratio
     worst = np.lexsort((-ratio.ravel(), chance.ravel()))[0]
     at = tuple(int(i) for i in np.unravel_index(worst, ratio.shape))
     p_value = None if apart.chance is None else float(min(1.0, chance[at] * count))
@@ -472,9 +476,9 @@ def _compared(name: str, a: Numbers, apart: _Apart, count: int) -> Compared:
 
 
 def _same(first: Source, second: Source, a: Found, b: Found) -> bool:
-    """Return whether all numbers and times of two results are the same, bit for bit.
+    """Return whether all numbers and times of two results are identical, bit for bit.
 
-    Datasets are compared whole; of other results the contents a and b.
+    Datasets are compared as a whole, other results by their contents `a` and `b`.
     """
     if first.dataset is not None and second.dataset is not None:
         return _alike(first.dataset, second.dataset)
@@ -486,9 +490,9 @@ def _same(first: Source, second: Source, a: Found, b: Found) -> bool:
 
 
 def _alike(a: xr.Dataset, b: xr.Dataset) -> bool:
-    """Return whether two datasets have the same variables with the same numbers.
+    """Return whether two datasets have identical variables.
 
-    They are read in parts of about 2 million numbers, because they may not fit into memory.
+    Values are read about 2 million at a time, because a dataset may not fit into memory.
     """
     if a.variables.keys() != b.variables.keys() or a.sizes != b.sizes:
         return False
@@ -523,9 +527,10 @@ def _differing(a: dict[str, Any], b: dict[str, Any]) -> Iterator[tuple[str, str,
 
 
 def _source(of: Given, name: str) -> Source:
-    """Return a result, or the result in a file, as it is compared. name: for messages.
+    """Load `of` if it is a file, and prepare the result for comparison.
 
-    Raises `ResultError` for a file or result that cannot be compared.
+    `name` is used in messages if there is no file. Raises `ResultError` for a file or result that
+    cannot be compared.
     """
     result: Any = of
     made: dict[str, Any] = {}
@@ -552,9 +557,9 @@ def _source(of: Given, name: str) -> Source:
 
 
 def _about(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return keys of the scene as it was given, and attributes that say how it was computed.
+    """Return the scene's keys, as they were given, and the attributes that describe a computation.
 
-    attributes: of a dataset.
+    `attributes` are the attributes of a dataset.
     """
     scene = json.loads(attributes.get("scene_as_given", attributes["scene"]))
     made = {name: plain(attributes[name]) for name in _ATTRIBUTES if name in attributes}
@@ -562,21 +567,21 @@ def _about(attributes: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _keys(scene: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of a scene by `section.key`, without texts such as its description."""
+    """Return the values of a scene by `section.key`, omitting top-level texts (its description)."""
     return by_key({key: value for key, value in scene.items() if isinstance(value, dict | list)})
 
 
 def _of_run(name: str, run: xr.Dataset, about: dict[str, Any]) -> Source:
-    """Return a run as it is compared: by mean and variance if it has thermal motion, else by path.
+    """Prepare a run for comparison: by mean and variance with thermal motion, else by positions.
 
-    name: for messages. about: keys and attributes with their values.
+    `name` is used in messages, and `about` contains keys and attributes with their values.
     """
     followed = Run.of(run)
     times, places = followed["time"], followed["position"]
     if scene_of(run).forces.brownian:
 
         def by_chance(_: NDArray[np.int64]) -> Found:
-            """Return mean and variance over time, of the samples with a position."""
+            """Return mean and variance over the time of the run, of samples with a position."""
             held = places[np.isfinite(places).all(axis=1)]
             lost = len(places) - len(held)
             if not len(held):
@@ -598,7 +603,7 @@ def _of_run(name: str, run: xr.Dataset, about: dict[str, Any]) -> Source:
         raise ResultError(f"{name}: the error of its integration is not known")
 
     def certain(at: NDArray[np.int64]) -> Found:
-        """Return the positions at the times with these indices, with the integration error as
+        """Return the positions at these indices of time, with the integration error as a
         bound.
         """
         position = Numbers(
@@ -615,10 +620,10 @@ def _ms(time: float) -> str:
 
 
 def _moments_in_time(places: Array, step: float) -> tuple[dict[str, Numbers], float]:
-    """Return mean and variance along each axis over the time of a run, and independent samples.
+    """Return the time averages of position and variance along each axis, and independent samples.
 
-    The number of independent samples is the smallest of all: samples over the statistical
-    inefficiency (correlation time in samples). places: (n, 3) m. step: sampling interval, s.
+    The number of independent samples is the smallest ratio of samples to statistical inefficiency
+    (correlation time in samples). `places` (n, 3) are positions, m, at intervals of `step`, s.
     """
     fewest, n = math.inf, len(places)
     found: dict[str, list[tuple[float, float, float]]] = {"mean": [], "variance": []}
@@ -644,14 +649,14 @@ def _moments_in_time(places: Array, step: float) -> tuple[dict[str, Numbers], fl
 
 
 def _along(at: tuple[int, ...]) -> str:
-    """Return the axis that the last index means, as "along x"."""
+    """Return the axis of the last index, as "along x"."""
     return f"along {'xyz'[at[-1]]}"
 
 
 def _of_ensemble(name: str, runs: xr.Dataset, about: dict[str, Any]) -> Source:
-    """Return an ensemble as it is compared: by moments over trajectories, and the part lost.
+    """Prepare an ensemble for comparison: by moments over trajectories, and the lost fraction.
 
-    name: for messages. about: keys and attributes with their values.
+    `name` is used in messages, and `about` contains keys and attributes with their values.
     """
     times, lost = runs["time"].values, np.isfinite(runs["lost_time"].values)
     if np.isnan(runs["lost_time"].values).any():
@@ -660,17 +665,16 @@ def _of_ensemble(name: str, runs: xr.Dataset, about: dict[str, Any]) -> Source:
         raise ResultError(f"{name}: has {n} trajectories; a comparison needs {_INDEPENDENT}")
 
     def found(at: NDArray[np.int64]) -> Found:
-        """Return the moments at the times with these indices, and the lost part, with standard
-        errors.
+        """Return the moments at these indices of time, and the lost fraction, with standard errors.
 
-        Moments of fewer than 20 beads have no error, so they are not compared.
+        Moments over fewer than 20 remaining beads have no error and are not compared.
         """
         places = runs["position"].isel(time=at).values
         left = np.isfinite(places).sum(axis=0)
-        with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # none is left
+        with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # no bead remains
             mean = np.nanmean(places, axis=0)
             off = (places - mean) ** 2
-            # n/(n - 1) makes the variance of the n beads that are left unbiased
+            # n/(n - 1) makes the variance of the n remaining beads unbiased
             variance = off.mean(axis=0, where=np.isfinite(off)) * left / (left - 1)
             kurtosis = np.nanmean(off**2, axis=0) / np.nanmean(off, axis=0) ** 2
             of_variance = _error_of_variance(variance, kurtosis, left)
@@ -678,7 +682,7 @@ def _of_ensemble(name: str, runs: xr.Dataset, about: dict[str, Any]) -> Source:
         errors = (np.where(few, np.nan, each) for each in (np.sqrt(variance / left), of_variance))
 
         def where(i: tuple[int, ...]) -> str:
-            """Return time and axis of an error."""
+            """Return the time and axis of an error, in words."""
             return f"at {_ms(times[at[i[0]]])} {_along(i)}"
 
         share = lost.mean()
@@ -697,24 +701,25 @@ def _of_ensemble(name: str, runs: xr.Dataset, about: dict[str, Any]) -> Source:
 
 
 def _error_of_variance(variance: Any, kurtosis: Any, number: Any) -> Any:
-    """Return the standard error of a variance of `number` samples with this kurtosis (Gaussian: 3).
+    """Return the standard error of a variance from `number` samples with this kurtosis.
 
-    The formula is that of L. H. Shoemaker, Am. Stat. 57, 105 (2003).
+    Gaussian numbers have the kurtosis 3. The formula is from L. H. Shoemaker, Am. Stat. 57, 105
+    (2003).
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         return variance * np.sqrt((kurtosis - (number - 3) / (number - 1)) / number)
 
 
 def _of_statistics(name: str, gathered: xr.Dataset, about: dict[str, Any]) -> Source:
-    """Return the statistics of an ensemble as they are compared: by all means and variances.
+    """Prepare the statistics of an ensemble for comparison: by all their means and variances.
 
-    name: for messages. about: keys and attributes with their values.
+    `name` is used in messages, and `about` contains keys and attributes with their values.
     """
     times = gathered["time"].values
     window = [gathered.attrs.get(key) for key in ("samples_per_window", "samples", "duration")]
 
     def found(at: NDArray[np.int64]) -> Found:
-        """Return means and variances, at the times with these indices if they depend on time."""
+        """Return means and variances; those that depend on time, at these indices of time."""
         numbers = {}
         for key, each in gathered.data_vars.items():
             of, _, moment = str(key).rpartition("_")
@@ -732,7 +737,7 @@ def _of_statistics(name: str, gathered: xr.Dataset, about: dict[str, Any]) -> So
             freedom = (parts - 1.0).broadcast_like(values).transpose(*values.dims).values
 
             def where(i: tuple[int, ...], timed: bool = over_time) -> str:
-                """Return time, if any, and axis of an error."""
+                """Return the time, if any, and the axis of an error, in words."""
                 return f"at {_ms(times[at[i[0]]])} {_along(i)}" if timed else _along(i)
 
             part = f"window {window}" if not over_time else "trajectory"
@@ -746,9 +751,9 @@ def _of_statistics(name: str, gathered: xr.Dataset, about: dict[str, Any]) -> So
 
 
 def _of_sweep(name: str, swept: xr.Dataset, about: dict[str, Any]) -> Source:
-    """Return a sweep as it is compared: by its variables that have errors, and the case outcomes.
+    """Prepare a sweep for comparison: by its variables with errors, and the outcomes of its cases.
 
-    name: for messages. about: keys and attributes with their values.
+    `name` is used in messages, and `about` contains keys and attributes with their values.
     """
     of = swept.attrs["of"]
     statistical = of in ("ensemble", "calibrate")
@@ -756,9 +761,10 @@ def _of_sweep(name: str, swept: xr.Dataset, about: dict[str, Any]) -> Source:
     window = f"window {(*lasting, swept.attrs.get('skip'))}"
 
     def freedom_of(key: str, shape: tuple[int, ...]) -> Array:
-        """Return the degrees of freedom of a variable of this shape: remaining beads less one.
+        """Return the degrees of freedom of the variable `key`, in its shape.
 
-        They are infinite unless the sweep is of ensembles. The lost part counts all trajectories.
+        A sweep of ensembles has the number of remaining beads less one, or of all trajectories for
+        the lost fraction. Other sweeps have infinitely many.
         """
         if of != "ensemble":
             return np.full(shape, math.inf)
@@ -768,14 +774,14 @@ def _of_sweep(name: str, swept: xr.Dataset, about: dict[str, Any]) -> Source:
         return np.broadcast_to(parts.round().reshape(parts.shape + added) - 1, shape)
 
     def found(_: NDArray[np.int64]) -> Found:
-        """Return the variables that have an error, and the outcome of each case."""
+        """Return the variables that have errors, and the outcome of each case."""
         numbers = {}
         for key, each in swept.data_vars.items():
             error = each.attrs.get("ancillary_variables")
             if error in swept:
 
                 def where(i: tuple[int, ...], dims: tuple[Any, ...] = each.dims) -> str:
-                    """Return the values of the swept keys of the case with an error."""
+                    """Return the values of the swept keys for an error, in words."""
                     named = zip(dims, i, strict=True)
                     return ", ".join(f"{dim} {_value(swept, dim, k)}" for dim, k in named)
 
@@ -798,7 +804,7 @@ def _of_sweep(name: str, swept: xr.Dataset, about: dict[str, Any]) -> Source:
 
 
 def _value(swept: xr.Dataset, dimension: Any, index: int) -> str:
-    """Return the value of a swept key at an index as text; the index if it has no values."""
+    """Return the value of a swept key at an index as text; the index itself if it has no values."""
     value = swept[dimension].values[index] if dimension in swept.coords else index
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
@@ -806,13 +812,14 @@ def _value(swept: xr.Dataset, dimension: Any, index: int) -> str:
 def _of_result(
     name: str, kind: str, result: Result, about: dict[str, Any], words: dict[str, str]
 ) -> Source:
-    """Return a result as it is compared: by the quantities that it lists, with their errors.
+    """Prepare a trap or calibration for comparison: by the quantities it lists, with their errors.
 
-    about: keys and attributes with their values. words: words that must be equal.
+    `about` contains keys and attributes with their values, and `words` must be equal in both
+    results.
     """
     listed = [each for each in result.quantities() if each.of.compared]
     statistical = any(each.of.kind == STANDARD for each in listed)
-    if statistical:  # a given value has no error, and a finding speaks against its number
+    if statistical:  # given values have no error, and values with findings are not reliable
         given = {each.of.name: each.words for each in listed if np.isnan(each.errors).all()}
         about = about | given
         listed = [each for each in listed if each.of.name not in given and not each.findings]
@@ -821,9 +828,9 @@ def _of_result(
 
 
 def _numbers_of(measured: Measured) -> Numbers:
-    """Return the numbers of a measured quantity with their errors and places.
+    """Return the values of a measured quantity with their errors and descriptions.
 
-    A vector with a single error stays a vector, whose distance to another one is compared.
+    A vector with a single error stays a vector, so two of them are compared by their distance.
     """
     quantity, values, errors, _ = measured
     where = {"": _nowhere, "axis": _along, "direction": _outwards}[quantity.along]
@@ -834,7 +841,7 @@ def _numbers_of(measured: Measured) -> Numbers:
 
 
 def _of_trap(name: str, trap: Trap, about: dict[str, Any]) -> Source:
-    """Return a trap as it is compared: by its quantities, and by whether it holds the bead."""
+    """Prepare a trap for comparison: by its quantities, and by whether it holds the bead."""
     scene = trap.scene.model_dump(mode="json", exclude_none=True)
     how: dict[str, Any] = {"theory": trap.theory, "evaluator": trap.evaluator}
     if trap.other_forces:
@@ -844,17 +851,17 @@ def _of_trap(name: str, trap: Trap, about: dict[str, Any]) -> Source:
 
 
 def _outwards(at: tuple[int, ...]) -> str:
-    """Return the escape direction that the first index means, as "on the way to +z"."""
+    """Return the escape direction of the first index, as "on the way to +z"."""
     return f"on the way to {DIMENSIONS['direction'][at[0]]}"
 
 
 def _nowhere(_: tuple[int, ...]) -> str:
-    """Return "", the place of a quantity that is a single number."""
+    """Return "", the description of a quantity that is a single number."""
     return ""
 
 
 def _of_calibration(name: str, found: Calibration, _: dict[str, Any]) -> Source:
-    """Return a calibration as it is compared: by stiffness estimates without findings."""
+    """Prepare a calibration for comparison: by its stiffness estimates without findings."""
     numbers = {
         f"stiffness {axis.axis}, {each.method}": _numbers_of(each.measured)
         for axis in found.axes
@@ -868,11 +875,10 @@ def _of_calibration(name: str, found: Calibration, _: dict[str, Any]) -> Source:
 
 
 def _stiffnesses(one: Source, other: Source) -> Source:
-    """Return a trap or a calibration, `one`, in a form in which both can be compared.
+    """Prepare `one` of a trap and a calibration for comparison with the `other`.
 
-    The trap has one stiffness for each axis, the calibration several estimates. The trap's
-    stiffness is listed once for each estimate, under the name of the estimate. other: the other one
-    of both.
+    A trap has one stiffness per axis, a calibration several estimates of it. The trap's stiffness
+    is therefore repeated under the name of each estimate.
     """
     nowhere = np.empty(0, np.int64)
     found, estimates = one.found(nowhere), other.found(nowhere).numbers
@@ -898,7 +904,7 @@ def _stiffnesses(one: Source, other: Source) -> Source:
     )
 
 
-#: By the name of the kind: those that are compared by more than the quantities that they list
+#: Function that prepares a dataset, by its kind; other results are compared by their quantities
 _OF: dict[str, Callable[[str, Any, dict[str, Any]], Source]] = {
     "sweep": _of_sweep,
     "statistics": _of_statistics,

@@ -1,7 +1,8 @@
 """Everything that depends on Numba's internals: the cache of compiled functions, calls by address.
 
-Importing it chooses the folder of the cache: Numba needs one before the first function is defined.
-With TWEEZER_PLAIN_NUMBA=1 it uses `numba.njit` and Numba's own cache: see `plain`.
+Importing this package chooses the cache folder, because Numba requires one before the first
+function is defined. With TWEEZER_PLAIN_NUMBA=1 it uses `numba.njit` and Numba's own cache instead,
+for releases of Numba with different internals (module `plain`).
 """
 
 from tweezer.compiled.address import (

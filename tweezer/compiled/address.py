@@ -1,4 +1,4 @@
-"""Calls by address: a compiled loop may call functions that did not exist when it was compiled."""
+"""Calls by address, by which a compiled loop calls functions that are compiled later."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from numba.extending import intrinsic
 def address(function: Any, signature: Any) -> int:
     """Return the address of the machine code of a compiled function for a signature.
 
-    The function is compiled if needed. The address is valid as long as the process lives.
+    The function is compiled if needed. The address is valid until the process ends.
     """
     compiled = function.get_compile_result(signature)
     return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name))
@@ -23,9 +23,9 @@ def address(function: Any, signature: Any) -> int:
 
 @intrinsic
 def call(typing: Any, at: Any, arguments: Any) -> Any:  # noqa: ARG001
-    """Call the function at an address with a tuple of arguments; it must return nothing.
+    """Call the function at the address `at` with a tuple of arguments; the function returns None.
 
-    Nothing checks that the function takes arguments of these types.
+    The types of the arguments are not checked.
     """
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
@@ -40,9 +40,9 @@ def call(typing: Any, at: Any, arguments: Any) -> Any:  # noqa: ARG001
 
 
 def native_address(compiled: Any, signature: Any) -> int:
-    """Return the address of a compiled function's machine code with Numba's own calling convention.
+    """Return the address of a compiled function's machine code with Numba's calling convention.
 
-    Unlike a function at an `address`, it reports an exception to its caller: see `attempt`.
+    Called by `attempt`, it can report an exception, unlike a function called by `call`.
     """
     result = compiled.get_compile_result(signature)
     return int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
@@ -52,7 +52,7 @@ def native_address(compiled: Any, signature: Any) -> int:
 def attempt(typing: Any, at: Any, arguments: Any) -> Any:  # noqa: ARG001
     """Call the function at a `native_address`, and return whether it raised an exception.
 
-    As for `call`, nothing checks the types of the arguments.
+    The types of the arguments are not checked.
     """
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
@@ -73,8 +73,9 @@ def attempt(typing: Any, at: Any, arguments: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def array_at(typing: Any, at: Any, shape: Any) -> Any:  # noqa: ARG001
-    """Return an array of a shape whose numbers are at an address; this memory must outlive the
-    array.
+    """Return an array of the given shape that uses the memory at address `at`.
+
+    The memory must outlive the array.
     """
     kind = types.Array(types.float64, len(shape), "C")
 
@@ -100,7 +101,7 @@ def array_at(typing: Any, at: Any, shape: Any) -> Any:  # noqa: ARG001
 
 
 def protected(kind: Any) -> Any:
-    """Return the type of an array, or of a named tuple of arrays, that cannot be written."""
+    """Return the read-only variant of the type of an array or of a named tuple of arrays."""
     if isinstance(kind, types.NamedTuple):
         return types.NamedTuple([protected(each) for each in kind.types], kind.instance_class)
     if isinstance(kind, types.NamedUniTuple):
@@ -110,7 +111,7 @@ def protected(kind: Any) -> Any:
 
 @intrinsic
 def read_only(typing: Any, value: Any) -> Any:  # noqa: ARG001
-    """Return the same arrays with a type that forbids writing to them."""
+    """Return arrays unchanged, but with a type that forbids compiled code to write to them."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         context.nrt.incref(builder, signature.args[0], values[0])

@@ -30,16 +30,17 @@ from tweezer.compiled.fingerprint import fingerprint, name_by_values
 
 _log = logging.getLogger("tweezer")
 
-#: Form of what is kept; another number, and what was kept is compiled again
+#: Version of the stored form; files with another version are ignored
 _FORM = 3
 #: Length of a SHA-256, bytes
 _DIGEST = 32
 
 
 def _fields(kind: Any) -> Any:
-    """Return the field names, in order, of a Numba type and of the types within it.
+    """Return the field names of Numba's named tuples in a type, in order, at every depth.
 
-    Compiled code reads a field by its number, so it is stale if the order changes.
+    They are part of the file name, because compiled code reads a field by its position: it would
+    be wrong after a change of the order.
     """
     parts = kind if isinstance(kind, tuple) else getattr(kind, "types", ())
     within = [_fields(each) for each in parts]
@@ -49,9 +50,9 @@ def _fields(kind: Any) -> Any:
 class _File:
     """Compiled code of one function, in a file for each set of argument types and processor.
 
-    A file begins with a digest of its sources and its content. A file that is truncated, changed or
-    of other sources is ignored, and the function is compiled again. A file is written as a whole or
-    not at all, so processes need no lock.
+    A file begins with a digest of its sources and content. A file that is truncated, changed or
+    compiled from other sources is ignored, and the function is compiled again. Files are written
+    atomically, so processes need no lock.
     """
 
     def __init__(self, base: str, dispatcher: Dispatcher) -> None:
@@ -60,14 +61,14 @@ class _File:
 
     @functools.cached_property
     def _compiled_from(self) -> bytes:
-        """Description of everything that the function is compiled from, as it is in memory.
+        """Description of everything that the function is compiled from.
 
-        The source file may change while the program runs.
+        It uses the functions in memory, because source files may change while the program runs.
         """
         return f"{_FORM} {numba.__version__}{fingerprint(self._dispatcher)}".encode()
 
     def load(self, key: Any) -> Any:
-        """Return the code stored under `key`, Numba's key of a variant; None if there is none."""
+        """Return the code stored for the variant `key`, Numba's tuple; None if there is no file."""
         try:
             whole = self.path(key).read_bytes()
         except OSError:
@@ -77,13 +78,13 @@ class _File:
             return None
         try:
             kept_under, code = pickle.loads(content)
-        except Exception as error:  # types of a module that this process cannot import
+        except Exception as error:  # types from a module that this process cannot import
             _log.debug("%s cannot be read: %s", self.path(key), error)
             return None
         return code if kept_under == key else None
 
     def save(self, key: Any, code: Any) -> None:
-        """Store code under `key`; raises `OSError`."""
+        """Store the code of the variant `key`; raises `OSError` if it cannot be written."""
         content, path = caching.dumps((key, code)), self.path(key)
         part = path.with_name(f"{path.name}.{secrets.token_hex(8)}")
         try:
@@ -93,7 +94,7 @@ class _File:
             part.unlink(missing_ok=True)
 
     def path(self, key: Any) -> Path:
-        """Return the file of the code stored under `key`."""
+        """Return the path of the file for the variant `key`."""
         signature, *others = key
         told = f"{signature!r} {_fields(getattr(signature, 'args', signature))} {others!r}"
         types_and_processor = hashlib.sha256(told.encode()).hexdigest()
@@ -105,7 +106,7 @@ class _File:
 
 
 class _Contents(caching.CompileResultCacheImpl):
-    """Conversion of compiled functions to what the cache stores, and back."""
+    """Conversion of compiled functions to the parts that the cache stores, and back."""
 
     def reduce(self, result: Any) -> tuple[Any, ...]:
         """Return the parts of a compiled function that the cache stores."""
@@ -113,7 +114,7 @@ class _Contents(caching.CompileResultCacheImpl):
         return (*others, environments.to_keep(referenced))
 
     def rebuild(self, target_context: Any, payload: tuple[Any, ...]) -> Any:
-        """Return the function from its stored parts, `payload`."""
+        """Rebuild a function from its stored parts, `payload`."""
         payload = (*payload[:-1], environments.rebuilt(payload[-1]))
         if linked.is_linked(payload):
             return linked.rebuilt(target_context, payload)
@@ -134,15 +135,15 @@ class _Cache(caching.FunctionCache):
         stored.add(dispatcher)
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:
-        """Return the key of a variant: argument types, processor, and whether compiled code or
-        Python calls it.
+        """Return the key of a variant: argument types, processor, and the caller's language.
 
-        The fingerprint covers everything else.
+        Code called from Python differs from code that compiled functions call. The fingerprint
+        covers everything else.
         """
         return sig, codegen.magic_tuple(), "compiled" if self._callers.compiled else "Python"
 
     def load_overload(self, signature: Any, context: Any) -> Any:
-        """Return the stored function, after another process that is compiling it has finished."""
+        """Return the stored function, waiting for another process that is compiling it."""
         found = self._loaded(signature, context)
         if found is None and not self._callers.compiled:
             key = self._index_key(signature, context.codegen())
@@ -151,17 +152,18 @@ class _Cache(caching.FunctionCache):
         return found
 
     def _loaded(self, signature: Any, context: Any) -> Any:
-        """Return the stored function, without the functions that Numba's compiler knows.
+        """Return the stored function without starting Numba's compiler.
 
-        Numba would import and register these, which takes longer than loading the code. Machine
-        code requires only Numba's memory management. The compiler registers them when it starts.
+        Numba would import and register all functions that its compiler knows, which takes longer
+        than loading the code. Machine code requires only Numba's memory management. The compiler
+        registers its functions when it starts.
         """
         rtsys.initialize(context)
         with self._guard_against_spurious_io_errors():
             return self._load_overload(signature, context)
 
     def save_overload(self, signature: Any, code: Any) -> None:
-        """Store what was compiled, unless the folder cannot take it."""
+        """Store a compiled function; warn once if the folder cannot be written."""
         try:
             super().save_overload(signature, code)
         except OSError as error:
@@ -172,16 +174,16 @@ class _Cache(caching.FunctionCache):
 
 
 def cached_njit(signature: Any = None, **options: Any) -> Any:
-    """Compile a function as `numba.njit` does, and keep the code in this cache.
+    """Compile a function as `numba.njit` does, and store the code in tweezer's cache.
 
-    signature: argument types to compile for immediately, as in `numba.njit`. The function is
-    compiled again if anything it is compiled from changes, in whatever file: see `fingerprint`.
+    With `signature`, the argument types, the function is compiled immediately. It is compiled again
+    if anything that it depends on changes, in any file (see `fingerprint`).
     """
 
     def compiled(function: Callable[..., Any]) -> Any:
         dispatcher = named_njit(**options)(function)
         dispatcher._cache = _Cache(dispatcher, dispatcher.callers)
-        if signature is not None:  # calls then skip the look-up of types
+        if signature is not None:  # calls then skip the lookup of types
             dispatcher.compile(signature)
             dispatcher.disable_compile()
         return dispatcher
@@ -190,9 +192,9 @@ def cached_njit(signature: Any = None, **options: Any) -> Any:
 
 
 def named_njit(*, inner: bool = False, **options: Any) -> Any:
-    """Compile a function as `numba.njit` does, for cached functions to call.
+    """Compile a function as `numba.njit` does, without a cache, to be called by cached functions.
 
-    inner: only compiled functions call it. A call from Python raises `TypeError`.
+    If `inner`, only compiled functions may call it, and a call from Python raises `TypeError`.
     """
 
     def compiled(function: Callable[..., Any]) -> Any:
@@ -211,7 +213,7 @@ def named_njit(*, inner: bool = False, **options: Any) -> Any:
 
 
 def cache_functions(module: ModuleType) -> ModuleType:
-    """Let the functions of an emitted module use this cache; returns the module."""
+    """Make the compiled functions of an emitted module use tweezer's cache; return the module."""
     for each in vars(module).values():
         function: Any = each
         if isinstance(each, Dispatcher) and not isinstance(function._cache, _Cache):

@@ -1,6 +1,6 @@
-"""Compilation without the code by which Python calls a function, where only compiled code calls it.
+"""Compilation that omits the entry point for Python from functions that only compiled code calls.
 
-That code takes a quarter of the time to compile.
+The entry point takes a quarter of the compile time.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from tweezer.compiled import linked
 
 
 class Callers:
-    """Compiler of a function that adds code for calls from Python only where Python calls it.
+    """Compiler of a function that adds the entry point for Python only where Python calls it.
 
-    For compiled code the function is compiled without it, to be linked into the code of its caller;
-    it is compiled with it when Python calls the function or takes its address.
+    If compiled code calls the function, it is compiled without an entry point and linked into the
+    code of its caller. It is compiled with one when Python calls it or takes its address.
     """
 
     def __init__(self, dispatcher: Dispatcher) -> None:
-        """dispatcher: of the function; calls of its methods go through this object from now on."""
+        """Route the methods of `dispatcher`, the function's Numba object, through this object."""
         function: Any = dispatcher
         self._overloads = function.overloads
         self._call_template = function.get_call_template
@@ -38,7 +38,7 @@ class Callers:
         function._compiler.pipeline_class = linked.LinkingCompiler
 
     def _get_call_template(self, *arguments: Any) -> Any:
-        """Answer compiled code that calls the function; replaces `Dispatcher.get_call_template`."""
+        """Return the variant for compiled code to call; replaces `Dispatcher.get_call_template`."""
         before, self.compiled = self.compiled, True
         try:
             return self._call_template(*arguments)
@@ -46,8 +46,7 @@ class Callers:
             self.compiled = before
 
     def _compiled(self, signature: Any) -> Any:
-        """Compile the function, again for Python if it was compiled without the code for calls from
-        Python.
+        """Compile the function for Python, even if a variant without entry point exists.
 
         Replaces `Dispatcher.compile`.
         """
@@ -58,23 +57,23 @@ class Callers:
     def _get_compile_result(self, signature: Any) -> Any:
         """Return the compiled function with an address; replaces `Dispatcher.get_compile_result`.
 
-        A version without the code for calls from Python is compiled again.
+        A variant without entry point is compiled again.
         """
         with global_compiler_lock:
             self._forget(signature)
             return self._result(signature)
 
     def _forget(self, signature: Any) -> None:
-        """Forget a version that Python cannot call, if it is Python that calls now."""
+        """Discard a variant without entry point if the present call is from Python."""
         types = tuple(sigutils.normalize_signature(signature)[0])
         if not self.compiled and types in self._without:
             self._without.remove(types)
             del self._overloads[types]
 
     def _added(self, result: Any) -> None:
-        """Register a compiled version; replaces `Dispatcher.add_overload`.
+        """Register a compiled variant; replaces `Dispatcher.add_overload`.
 
-        Python must not find a version that it cannot call.
+        A variant without entry point is hidden from calls by Python, which would fail.
         """
         if self.compiled:
             types = tuple(result.signature.args)

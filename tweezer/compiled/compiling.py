@@ -1,9 +1,9 @@
-"""The folder of compiled functions, the notice while compiling, and what compiling took.
+"""Folder of compiled functions, notice while compiling, and count and time of compilations.
 
-Compiled functions are kept beside their sources. If the folder of the sources cannot be written,
-they are kept in the user's cache folder; NUMBA_CACHE_DIR names another folder. Importing this
-module chooses the folder, because Numba needs it before the first function is defined. Plain Numba
-(see `plain`) has a folder of its own within that of NUMBA_CACHE_DIR or the user's.
+Compiled functions are stored beside their sources. If that folder cannot be written, they are
+stored in the user's cache folder; NUMBA_CACHE_DIR selects another folder. Importing this module
+chooses the folder, because Numba needs it before the first function is defined. Plain Numba (module
+`plain`) uses a folder of its own within that of NUMBA_CACHE_DIR or the user's.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from tweezer.values.errors import warn
 
 _log = logging.getLogger("tweezer")
 
-#: Whether plain Numba takes the place of tweezer's own compiling
+#: Whether plain Numba replaces tweezer's own cache
 PLAIN = os.environ.get("TWEEZER_PLAIN_NUMBA", "0") not in ("", "0")
 #: Compile time before the notice is shown, s
 _PATIENCE = 1.0
@@ -40,25 +40,25 @@ stored: weakref.WeakSet[Dispatcher] = weakref.WeakSet()
 
 
 class Compilation(event.Listener):
-    """Number of tweezer's functions that were compiled, and the time that it took."""
+    """Count and duration of the compilations of tweezer's functions, as an event listener."""
 
     def __init__(self, say: Callable[[Compilation], None]) -> None:
-        """say: called with this object when the compilation of a function begins."""
+        """Call `say` with this object whenever the compilation of a function begins."""
         self._say = say
-        self._within = 0  # depth of functions compiled because another calls them
+        self._within = 0  # compilations in progress; calling a function compiles it within another
         self._spent = self._began = 0.0
         self.functions = self.compiled = 0
-        """number of functions that the cache stores: begun, and compiled"""
+        """numbers of stored functions whose compilation began, and whose compilation succeeded"""
         self.latest = ""
         """name of the function begun last"""
 
     @property
     def seconds(self) -> float:
-        """Time spent so far, s."""
+        """Compile time so far, s."""
         return self._spent + (time.perf_counter() - self._began if self._within else 0.0)
 
     def on_start(self, begun: event.Event) -> None:
-        """Count a function whose compilation begins; an event of Numba."""
+        """Count a function whose compilation begins; Numba calls this method."""
         dispatcher = begun.data["dispatcher"]
         if not _ours(dispatcher):
             return
@@ -71,7 +71,7 @@ class Compilation(event.Listener):
         self._say(self)
 
     def on_end(self, ended: event.Event) -> None:
-        """Count a function whose compilation has ended or failed; an event of Numba."""
+        """Count a function whose compilation succeeded or failed; Numba calls this method."""
         dispatcher = ended.data["dispatcher"]
         if not _ours(dispatcher):
             return
@@ -81,10 +81,10 @@ class Compilation(event.Listener):
 
 
 class _Uncollected(event.Listener):
-    """Pauses garbage collection while Numba compiles.
+    """Event listener that pauses garbage collection while Numba compiles.
 
-    A compilation makes many objects in cycles, all of them in use. Collecting takes a quarter of
-    its time. Numba compiles in one thread at a time.
+    A compilation creates many objects in reference cycles, all of them in use, and collecting
+    takes a quarter of its time. Numba compiles in one thread at a time.
     """
 
     def __init__(self) -> None:
@@ -92,21 +92,21 @@ class _Uncollected(event.Listener):
         self._enabled = False
 
     def on_start(self, begun: event.Event) -> None:  # noqa: ARG002
-        """Pause garbage collection when a compilation begins; an event of Numba."""
+        """Pause garbage collection when a compilation begins; Numba calls this method."""
         if not self._within:
             self._enabled = gc.isenabled()
             gc.disable()
         self._within += 1
 
     def on_end(self, ended: event.Event) -> None:  # noqa: ARG002
-        """Resume garbage collection when the outermost compilation ends; an event of Numba."""
+        """Resume garbage collection when the outermost compilation ends; Numba calls it."""
         self._within -= 1
         if not self._within and self._enabled:
             gc.enable()
 
 
 def compilation(say: Callable[[Compilation], None]) -> AbstractContextManager[Compilation]:
-    """Watch compilation within the context; `say` is called when the compilation of a function
+    """Observe compilation within the context; `say` is called when the compilation of a function
     begins.
     """
     installed: AbstractContextManager[Compilation] = event.install_listener(
@@ -121,28 +121,28 @@ def found() -> int:
 
 
 def kept() -> bool:
-    """Return whether this process compiled functions of tweezer that later processes can load."""
+    """Return whether this process stored compiled functions that later processes can load."""
     return _notice.compiled > 0 and not not_kept.cache_info().currsize
 
 
 @functools.cache
 def not_kept(why: str) -> None:
-    """Warn, once, that compiled functions are not stored; why: the reason."""
+    """Warn once in a process that compiled functions are not stored, with the reason `why`."""
     warn(f"what is compiled is not kept: {why}", UserWarning)
 
 
 def _ours(dispatcher: Dispatcher) -> bool:
-    """Return whether a compiled function is tweezer's."""
+    """Return whether a compiled function belongs to tweezer."""
     return str(dispatcher.py_func.__module__).partition(".")[0] == "tweezer"
 
 
 def _is_stored(dispatcher: Dispatcher) -> bool:
-    """Return whether a cache stores a compiled function."""
+    """Return whether a cache stores the code of a compiled function."""
     return dispatcher.stats.cache_path is not None
 
 
 def _folder_of_these_sources() -> str:
-    """Return the folder of Numba's own cache for the present state of tweezer's sources."""
+    """Return a cache folder for plain Numba that depends on the content of tweezer's sources."""
     from platformdirs import user_cache_path
 
     digest = hashlib.sha256()
@@ -155,7 +155,7 @@ def _folder_of_these_sources() -> str:
 
 
 def _find_place() -> None:
-    """Choose a folder for Numba's cache: it refuses to define a cached function without one.
+    """Choose a folder for Numba's cache, without which Numba refuses to define cached functions.
 
     If no usual folder can be written, a temporary one is used until the process ends.
     """
@@ -172,8 +172,8 @@ def _find_place() -> None:
 
 
 def _tell(compiling: Compilation) -> None:
-    """Log a notice that functions are being compiled, unless it takes only a moment."""
-    if compiling.seconds > _PATIENCE:  # no notice for a moment's work
+    """Log a notice that functions are being compiled, if compiling has taken more than 1 s."""
+    if compiling.seconds > _PATIENCE:
         _tell_once()
 
 

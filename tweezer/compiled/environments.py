@@ -1,8 +1,9 @@
-"""Environments of functions that compiled code contains, kept without the modules they are from.
+"""Environments of compiled functions, stored so that loading them imports no other modules.
 
-An environment holds the Python objects that a function refers to. Numba keeps it by the name of its
-module, and imports that module to read it, such as all of Numba's functions of arrays and of text.
-Compiled code uses the objects but not the module. The imports took a twentieth of a short command.
+An environment is Numba's list of the Python objects that a function refers to. Numba stores it by
+the name of its module, and imports that module to load it, for example all of Numba's functions of
+arrays and text. Compiled code needs only the objects. The imports took a twentieth of a short
+command.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from numba.core.environment import Environment, lookup_environment
 
 
 class Kept(NamedTuple):
-    """An environment as the cache stores it."""
+    """An environment in the form that the cache stores."""
 
     name: str
     module: str
@@ -22,19 +23,19 @@ class Kept(NamedTuple):
 
 
 def to_keep(environments: Iterable[Environment]) -> tuple[Kept, ...]:
-    """Return environments as the cache stores them."""
+    """Return environments in the form that the cache stores."""
     return tuple(
         Kept(each.env_name, each.globals["__name__"], each.consts) for each in environments
     )
 
 
 def rebuilt(kept: Iterable[Kept]) -> tuple[Environment, ...]:
-    """Return the environments, with only the name of their module for its contents."""
+    """Return the environments from their stored form, without importing their modules."""
     return tuple(lookup_environment(each.name) or _made(each) for each in kept)
 
 
 def _made(kept: Kept) -> Environment:
-    """Make an environment, as `numba.core.environment._rebuild_env` does of a module."""
+    """Create an environment, as `numba.core.environment._rebuild_env` does from a module."""
     environment = Environment({"__name__": kept.module})
     environment.consts[:] = kept.objects
     environment.env_name = kept.name

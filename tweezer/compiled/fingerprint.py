@@ -17,19 +17,18 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.extending import _Intrinsic
 from numba.core.types import Type
 
-#: Folders of libraries
+#: Folders of installed libraries
 _LIBRARIES = {sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")}
-#: Types of values that are their own description
+#: Types whose `repr` describes a value completely
 _PLAIN = (int, float, complex, str, bytes, bool, type(None), type(Ellipsis), range)
 
 
 def fingerprint(*values: Any) -> str:
-    """Return a digest of functions and of everything they use: code, constants, functions they
-    call.
+    """Return a digest of functions and of everything they use: code, constants, called functions.
 
-    A called function is looked up by name, as Numba does: in a closure, in the globals of the
-    module, or as an attribute of a module. Functions of other libraries enter by name alone. Raises
-    `TypeError` for a global of a kind that cannot be described.
+    A called function is found by name, as in Numba: in a closure, in the globals of the module, or
+    as an attribute of a module. Functions of other libraries are represented by their names. Raises
+    `TypeError` for a global whose type cannot be described.
     """
     digest = hashlib.sha256()
     for part in _parts(values, set()):
@@ -40,8 +39,8 @@ def fingerprint(*values: Any) -> str:
 def name_by_values(function: Any) -> None:
     """Append a digest of a closure's values to its name.
 
-    Numba distinguishes the machine code of closures by a counter of the process, so a function
-    cached by one process could call the closure of another (Numba issue 10486).
+    Numba distinguishes the machine code of closures by a counter of the process, so without the
+    digest a cached function could call the closure of another process (Numba issue 10486).
     """
     if function.__closure__:
         values = [cell.cell_contents for cell in function.__closure__]
@@ -49,9 +48,9 @@ def name_by_values(function: Any) -> None:
 
 
 def _parts(value: Any, seen: set[int]) -> Iterator[str]:
-    """Yield a description of a value, in pieces, that is the same in every process.
+    """Yield the parts of a description of a value that is the same in every process.
 
-    seen: identities of the functions already described, to which this one adds.
+    `seen` contains the `id` of each function that was described; new functions are added to it.
     """
     if isinstance(value, _PLAIN):
         yield repr(value)
@@ -108,7 +107,7 @@ def _of_function(function: types.FunctionType, seen: set[int]) -> Iterator[str]:
 
 @functools.cache
 def _of_code(code: types.CodeType) -> list[str]:
-    """Return a description of a code object and of those within it."""
+    """Return the parts of a description of a code object and of the code objects within it."""
     parts = [
         code.co_code.hex(),
         repr((code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)),
@@ -130,14 +129,15 @@ def _names(code: types.CodeType) -> set[str]:
 
 
 def _ours(value: Any) -> bool:
-    """Return whether a function or class is tweezer's or a user's."""
+    """Return whether a function or class belongs to tweezer or to a user."""
     return _may_change(str(value.__module__))
 
 
 @functools.cache
 def _may_change(module: str) -> bool:
-    """Return whether a module is tweezer's or a user's; other libraries change only with their
-    version.
+    """Return whether a module belongs to tweezer or to a user.
+
+    Other libraries change only with their version.
     """
     if module.partition(".")[0] in ("tweezer", "__main__"):
         return True

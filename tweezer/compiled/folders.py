@@ -1,5 +1,6 @@
-"""Files of compiled functions that tweezer has stored, in every folder that Numba may
-have chosen.
+"""Files of compiled functions that tweezer has stored, in every folder that Numba may have chosen.
+
+The command `tweezer cache` lists and deletes them.
 """
 
 from __future__ import annotations
@@ -12,24 +13,24 @@ from pathlib import Path
 import numba
 from numba.core import caching
 
-#: Names of the files of compiled functions: module, function, line and Python; .nbi is Numba's own
-#: index of them
+#: Names of the files of compiled functions: module, function, line and Python version; the file
+#: ending in .nbi is Numba's own index
 _FUNCTION = r"\w+\.[\w.<>]+-\d+\.py\d+[a-z]*"
 _KEPT = re.compile(rf"{_FUNCTION}\.(nbi|\d+\.nbc|[0-9a-f]{{16}}\.nbc)")
-#: Name of such a file while it is written
+#: Name of such a file during writing
 UNFINISHED = re.compile(rf"{_FUNCTION}\.[0-9a-f]{{16}}\.nbc\.[0-9a-f]{{16}}")
 
 
 def kept() -> list[Path]:
     """Return every file of tweezer's compiled functions.
 
-    They are beside the sources, in the user's cache folder, and in NUMBA_CACHE_DIR if it is set.
+    Files are beside the sources, in the user's cache folder, and in NUMBA_CACHE_DIR if it is set.
     """
     return [each for folder in folders() for each in _of_functions(folder)]
 
 
 def folders() -> list[Path]:
-    """Return the existing folders for such files; each folder of sources may have several."""
+    """Return the existing folders for compiled functions; a folder of sources may have several."""
     where: list[type] = [caching.InTreeCacheLocator, caching.UserWideCacheLocator]
     if numba.config.CACHE_DIR:
         where.insert(0, caching.UserProvidedCacheLocator)
@@ -39,12 +40,12 @@ def folders() -> list[Path]:
 
 
 def is_own(folder: Path) -> bool:
-    """Return whether a cache folder exists, and neither it nor its parent is a link."""
+    """Return whether a folder exists, and neither it nor its parent is a symbolic link."""
     return folder.is_dir() and not folder.is_symlink() and not folder.parent.is_symlink()
 
 
 def _of_sources() -> Iterator[Path]:
-    """Yield the folders of tweezer's modules, and of the emitted modules."""
+    """Yield the folders of tweezer's modules, and those of the emitted modules."""
     package = Path(__file__).parents[1]
     emitted = importlib.import_module("tweezer.generated").__path__
     for top in (package, *map(Path, emitted)):
@@ -53,7 +54,7 @@ def _of_sources() -> Iterator[Path]:
 
 
 def _of_functions(folder: Path) -> list[Path]:
-    """Return the files of compiled functions in a folder, also unfinished ones, sorted."""
+    """Return the files of compiled functions in a folder, sorted, including unfinished ones."""
     return sorted(
         each
         for each in folder.iterdir()

@@ -1,14 +1,14 @@
-"""Eight numbers that the processor adds and multiplies at once, as a type of compiled functions.
+"""Vectors of eight numbers that the processor adds and multiplies simultaneously, for Numba.
 
-`lanes(array, i)` reads eight consecutive numbers, `store` writes them, `spread` repeats one number,
-`total` adds them up, `root` is the square root; +, -, * and / act on each of the eight. A product
-and a sum may be rounded once (fused). So short loops are fast without the compiler having to find
-out how. `transposed` reads the columns of eight rows of eight numbers; `columns`, `store_columns`
-and `add_columns` read and write those of eight rows of three.
+`lanes(array, i)` loads eight consecutive numbers and `store` writes them. `spread` repeats one
+number, `total` adds the eight numbers, and `root` is the square root. The operators +, -, * and /
+act on each of the eight. A product and a sum may be rounded once (fused). Short loops are then fast
+without relying on the compiler to vectorise them. `transposed` loads the columns of an 8 x 8 block;
+`columns`, `store_columns` and `add_columns` access the columns of an 8 x 3 block.
 
-`words(array, i)` reads eight words of 64 bits, with +, ^, &, |, << and >> (zeros come in), and
-`rotated`. `as_words` and `as_lanes` take the bits of a number as a word and back. `below` compares
-numbers, `anywhere` asks whether any word is set, and `chosen` takes each number from one of two.
+`words(array, i)` loads eight 64-bit words, with the operators +, ^, &, |, << and >> (shifting in
+zeros), and `rotated`. `as_words` and `as_lanes` reinterpret the bits of numbers and words. `below`
+compares numbers, `anywhere` tests for a nonzero word, and `chosen` selects between numbers.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from numba.extending import intrinsic, lower_builtin, register_model, type_calla
 
 from tweezer.compiled.fingerprint import fingerprint
 
-#: Count of numbers
+#: Number of elements of a vector
 LANES = 8
 
 
@@ -35,24 +35,22 @@ def _vector(element: Any) -> Any:
 
 
 def _repeated(builder: Any, number: Any) -> Any:
-    """Emit code that fills a vector with one number, eight times."""
+    """Emit code that fills a vector with one number."""
     zeros = ir.Constant(_vector(number.type), None)
     first = builder.insert_element(zeros, number, ir.Constant(ir.IntType(32), 0))
     return builder.shuffle_vector(first, zeros, _mask([0] * LANES))
 
 
 def _mask(entries: Iterable[int]) -> Any:
-    """Return the constant vector of indices by which LLVM's shuffle selects elements of two
-    vectors.
-    """
+    """Return a constant vector of indices; LLVM's shuffle instruction selects elements by it."""
     chosen = list(entries)
     return ir.Constant(ir.VectorType(ir.IntType(32), len(chosen)), chosen)
 
 
 def _combined(builder: Any, instruction: str, kinds: Any, values: Any) -> Any:
-    """Emit an arithmetic instruction on two vectors, or on a vector and a number that is repeated.
+    """Emit an arithmetic instruction on two vectors, or on a vector and a repeated number.
 
-    kinds: Numba's types of the two values. Floating-point products may be fused with sums.
+    `kinds` are Numba's types of the two `values`. Floating-point products may be fused with sums.
     """
     a, b = (
         value if isinstance(kind, Lanes) else _repeated(builder, value)
@@ -66,10 +64,10 @@ class Lanes(types.Type):
     """Numba's type of a vector of eight numbers, or of eight 64-bit words."""
 
 
-#: Of this whole file. A function that adds lanes does not name the code here that adds them, so the
-#: fingerprint of that function cannot follow it.
+#: Digest of this whole file. A function that adds vectors does not name the code here that emits
+#: the addition, so the fingerprint of that function cannot include it.
 _DIGEST = fingerprint(Path(__file__).read_bytes())
-#: A name holds that digest: the cache of compiled code knows a type by its name
+#: The names of the types contain the digest, because the cache identifies a type by its name
 _LANES, _WORDS = Lanes(f"Lanes {_DIGEST}"), Lanes(f"Words {_DIGEST}")
 
 
@@ -87,9 +85,9 @@ class _Model(models.PrimitiveModel):
 
 
 def _place(context: Any, builder: Any, kinds: Any, array: Any, at: Any) -> Any:
-    """Emit the address of eight entries of a contiguous array, beginning at its entry `at`.
+    """Emit the address of eight elements of a contiguous array, beginning at flat index `at`.
 
-    kinds: Numba's types of the arguments, the array first.
+    `kinds` are Numba's types of the arguments, the array first.
     """
     data = context.make_array(kinds[0])(context, builder, array).data
     vector = _vector(context.get_value_type(kinds[0].dtype))
@@ -97,29 +95,28 @@ def _place(context: Any, builder: Any, kinds: Any, array: Any, at: Any) -> Any:
 
 
 def _load(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-    """Emit code that loads eight entries of a contiguous array; values: the array and the first
-    index.
+    """Emit code that loads eight elements of a contiguous array.
+
+    `values` are the array and the flat index of the first element.
     """
     return builder.load(_place(context, builder, signature.args, *values), align=8)
 
 
 @intrinsic
 def lanes(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
-    """Load eight consecutive numbers of a contiguous array, from its flat index `at` on."""
+    """Load eight consecutive numbers of a contiguous array, beginning at flat index `at`."""
     return _LANES(array, types.intp), _load
 
 
 @intrinsic
 def words(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
-    """Load eight consecutive words of a contiguous one-dimensional array of integers, from index
-    `at` on.
-    """
+    """Load eight consecutive words of a contiguous 1-D integer array, beginning at index `at`."""
     return _WORDS(array, types.intp), _load
 
 
 @intrinsic
 def store(typing: Any, array: Any, at: Any, value: Any) -> Any:  # noqa: ARG001
-    """Store eight numbers, or words, in a contiguous array, from its flat index `at` on."""
+    """Store eight numbers or words in a contiguous array, beginning at flat index `at`."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         place = _place(context, builder, signature.args, *values[:2])
@@ -131,10 +128,9 @@ def store(typing: Any, array: Any, at: Any, value: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def transposed(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
-    """Load eight rows of eight numbers from the flat index `at` on; return their columns, eight
-    vectors.
+    """Load an 8 x 8 block of numbers, beginning at flat index `at`; return its columns as vectors.
 
-    In each of three rounds, pairs of vectors exchange blocks of 1, 2 and then 4 elements.
+    Pairs of vectors exchange blocks of one, two and then four elements.
     """
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:
@@ -159,7 +155,7 @@ def transposed(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def spread(typing: Any, number: Any) -> Any:  # noqa: ARG001
-    """Return a vector with one number, or word, eight times."""
+    """Return a vector that repeats one number or word."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         return _repeated(builder, values[0])
@@ -171,7 +167,7 @@ def spread(typing: Any, number: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def total(typing: Any, value: Any) -> Any:  # noqa: ARG001
-    """Return the sum of eight numbers; halves are added until one number is left."""
+    """Return the sum of eight numbers, by repeatedly adding the two halves of the vector."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         left, width = values[0], LANES
@@ -188,7 +184,7 @@ def total(typing: Any, value: Any) -> Any:  # noqa: ARG001
 
 
 def _of_llvm(builder: Any, name: str, values: Any) -> Any:
-    """Emit a call of a function that LLVM provides, by its name, and return its result."""
+    """Emit a call of a function that LLVM provides, and return its result."""
     kind = ir.FunctionType(values[0].type, [value.type for value in values])
     function = builder.module.globals.get(name) or ir.Function(builder.module, kind, name)
     return builder.call(function, values)
@@ -196,7 +192,7 @@ def _of_llvm(builder: Any, name: str, values: Any) -> Any:
 
 @intrinsic
 def root(typing: Any, value: Any) -> Any:  # noqa: ARG001
-    """Return the square roots of eight numbers."""
+    """Return the square root of each of eight numbers."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         return _of_llvm(builder, f"llvm.sqrt.v{LANES}f64", values)
@@ -206,7 +202,7 @@ def root(typing: Any, value: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def rotated(typing: Any, value: Any, bits: Any) -> Any:  # noqa: ARG001
-    """Return eight words, each rotated to the left by a number of bits."""
+    """Return eight words, each rotated left by `bits`."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         by = _repeated(builder, values[1])
@@ -216,7 +212,7 @@ def rotated(typing: Any, value: Any, bits: Any) -> Any:  # noqa: ARG001
 
 
 def _same_bits(kind: Any) -> Any:
-    """Return a function that emits the reinterpretation of eight elements as another type."""
+    """Return a function that emits code to reinterpret the bits of eight elements as a type."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         return builder.bitcast(values[0], _vector(_element(kind)))
@@ -226,19 +222,19 @@ def _same_bits(kind: Any) -> Any:
 
 @intrinsic
 def as_lanes(typing: Any, value: Any) -> Any:  # noqa: ARG001
-    """Return the eight numbers that have the bits of eight words."""
+    """Reinterpret the bits of eight words as numbers."""
     return _LANES(_WORDS), _same_bits(_LANES)
 
 
 @intrinsic
 def as_words(typing: Any, value: Any) -> Any:  # noqa: ARG001
-    """Return eight words with the bits of eight numbers."""
+    """Reinterpret the bits of eight numbers as words."""
     return _WORDS(_LANES), _same_bits(_WORDS)
 
 
 @intrinsic
 def chosen(typing: Any, which: Any, some: Any, others: Any) -> Any:  # noqa: ARG001
-    """Return eight numbers: of `some` where the word of `which` is not 0, elsewhere of `others`."""
+    """Return eight numbers: of `some` where the word of `which` is nonzero, else of `others`."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         zeros = ir.Constant(values[0].type, None)
@@ -249,7 +245,7 @@ def chosen(typing: Any, which: Any, some: Any, others: Any) -> Any:  # noqa: ARG
 
 @intrinsic
 def below(typing: Any, a: Any, b: Any) -> Any:  # noqa: ARG001
-    """Return eight words: all bits set where the number of `a` is below that of `b`, else 0."""
+    """Return eight words: all bits set where `a` is below `b`, otherwise 0."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         return builder.sext(builder.fcmp_ordered("<", *values), _vector(ir.IntType(64)))
@@ -259,7 +255,7 @@ def below(typing: Any, a: Any, b: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def anywhere(typing: Any, value: Any) -> Any:  # noqa: ARG001
-    """Return whether any of eight words is not 0."""
+    """Return whether any of eight words is nonzero."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         zeros = ir.Constant(values[0].type, None)
@@ -272,7 +268,7 @@ def anywhere(typing: Any, value: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def columns(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
-    """Load eight rows of a contiguous array (n, 3), from its flat index `at` on; return three
+    """Load eight rows of a contiguous array (n, 3), beginning at flat index `at`; return the three
     columns.
     """
 
@@ -295,22 +291,22 @@ def columns(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def add_columns(typing: Any, array: Any, at: Any, x: Any, y: Any, z: Any) -> Any:  # noqa: ARG001
-    """Add three columns to eight rows of a contiguous array (n, 3), from its flat index `at` on."""
+    """Add three columns to eight rows of a contiguous array (n, 3), starting at flat index `at`."""
     return types.none(array, types.intp, _LANES, _LANES, _LANES), _rows_stored(add=True)
 
 
 @intrinsic
 def store_columns(typing: Any, array: Any, at: Any, x: Any, y: Any, z: Any) -> Any:  # noqa: ARG001
-    """Store three columns as eight rows of a contiguous array (n, 3), from its flat
-    index `at` on.
+    """Store three columns in eight rows of a contiguous array (n, 3), beginning at flat index
+    `at`.
     """
     return types.none(array, types.intp, _LANES, _LANES, _LANES), _rows_stored(add=False)
 
 
 def _rows_stored(*, add: bool) -> Any:
-    """Return a function that emits the storing of three columns as rows (n, 3).
+    """Return a function that emits code to store three columns as rows of an array (n, 3).
 
-    add: whether they are added to the entries of the array.
+    If `add`, the columns are added to the elements of the array.
     """
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:
@@ -331,20 +327,20 @@ def _rows_stored(*, add: bool) -> Any:
 
 
 def _at(i: int) -> Any:
-    """Return the constant 8 i, the offset of the i-th vector of eight."""
+    """Return the constant 8 i, the offset of the i-th vector in an array."""
     return ir.Constant(ir.IntType(64), LANES * i)
 
 
 def _give(operation: Any, instruction: str, lanes: Any, number: Any) -> None:
-    """Let compiled code apply an operator to vectors, and to a vector and a number.
+    """Define an operator for two vectors, and for a vector and a number, in compiled code.
 
-    instruction: LLVM's name of it. lanes: type of the vectors. number: class of Numba's types of
-    numbers.
+    `instruction` is LLVM's name of the operation, `lanes` the type of the vectors, and `number` the
+    class of Numba's types of numbers.
     """
 
     @type_callable(operation)
     def typed(context: Any) -> Any:  # noqa: ARG001
-        """Declare the type of the result to Numba."""
+        """Declare the operand and result types of the operator to Numba."""
 
         def of(a: Any, b: Any) -> Any:
             kinds = a is lanes, b is lanes
@@ -376,11 +372,11 @@ for _operation, _instruction in (
 
 @type_callable(operator.neg)
 def _negated_type(context: Any) -> Any:  # noqa: ARG001
-    """Declare to Numba that the negative of a vector of numbers is one."""
+    """Declare to Numba that the negative of a vector of numbers is such a vector."""
     return lambda a: _LANES if a is _LANES else None
 
 
 @lower_builtin(operator.neg, _LANES)
 def _negated(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
-    """Emit the negative of a vector of numbers."""
+    """Emit code for the negative of a vector of numbers."""
     return builder.fneg(values[0])

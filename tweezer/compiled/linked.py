@@ -1,10 +1,9 @@
-"""Functions that only compiled code calls: linked into their callers, without machine code of their
-own.
+"""Functions that only compiled code calls, linked into their callers without machine code.
 
-Numba makes machine code of each function, also of those that compiled code alone calls, and loads
-it. Code of another function that was compiled with a copy of its own is then bound to the first
-copy that the process loaded. The copies are optimised apart and differ in rounding, so a process
-that compiled a function itself got other last bits than one that found it in the cache.
+Numba normally compiles each function to machine code and loads it, even if only compiled code calls
+it. A caller compiled with its own copy is then bound to the copy that the process loaded first.
+Separately optimised copies differ in rounding, so results depended in the last bits on whether a
+process compiled a function or loaded it from the cache.
 """
 
 from __future__ import annotations
@@ -19,19 +18,17 @@ _KIND = "linked"
 
 
 class _Entry:
-    """Placeholder for the address that a linked function lacks: Numba looks the
-    function up by it.
-    """
+    """Placeholder for the address that a linked function lacks and by which Numba identifies it."""
 
 
 class _Linked(JITCodeLibrary):
-    """Numba's code library of a function, without machine code."""
+    """Numba's code library of a function that is never compiled to machine code."""
 
     def _optimize_final_module(self) -> None:
-        """Do nothing: the code is optimised in the module that it is linked into."""
+        """Do nothing, because the code is optimised in the module it is linked into."""
 
     def _finalize_final_module(self) -> None:
-        """Complete the module without making machine code of it."""
+        """Complete the module without compiling it to machine code."""
         self._finalize_dynamic_globals()
         self._verify_declare_only_symbols()
         self._finalized = True
@@ -43,10 +40,10 @@ class _Linked(JITCodeLibrary):
 
 
 class LinkingCompiler(Compiler):
-    """Numba's compiler, which makes no machine code of a function with the flag `no_compile`."""
+    """Numba's compiler, which omits machine code for functions with the flag `no_compile`."""
 
     def compile_extra(self, function: Any) -> Any:
-        """Compile a function, as `numba.core.compiler.compile_extra` asks for it."""
+        """Compile a function; `numba.core.compiler.compile_extra` calls this method."""
         if self.state.flags.no_compile:
             codegen = self.state.targetctx.codegen()
             self.state.library = _Linked(codegen, function.__qualname__)
@@ -54,27 +51,25 @@ class LinkingCompiler(Compiler):
 
 
 def with_entry(result: CompileResult) -> CompileResult:
-    """Register a function that is only linked, so that compiled code finds it."""
+    """Register a function that is only linked, so that compiled code can call it."""
     result = result._replace(entry_point=_Entry())
     result.target_context.insert_user_function(result.entry_point, result.fndesc, [result.library])
     return result
 
 
 def set_environments(result: CompileResult) -> None:
-    """Give the machine code the Python objects that functions linked into it refer to."""
+    """Provide the machine code with the Python objects that functions linked into it refer to."""
     for each in result._find_referenced_environments():
         result.library.codegen.set_env(each.env_name, each)
 
 
 def is_linked(kept: tuple[Any, ...]) -> bool:
-    """Return whether the cached parts of a compiled function, Numba's tuple, are of one that is
-    only linked.
-    """
+    """Return whether a cached function is linked only; `kept` is Numba's tuple of its parts."""
     return bool(kept[0][1] == _KIND)
 
 
 def rebuilt(context: Any, kept: tuple[Any, ...]) -> CompileResult:
-    """Return a linked function from its cached parts; corresponds to `CompileResult._rebuild`."""
+    """Return a linked function from its cached parts, as `CompileResult._rebuild` does."""
     (name, _, bitcode), descriptor, environment, signature, objectmode, lifted, *others = kept
     annotation, reload_init, referenced = others
     for initialise in reload_init:

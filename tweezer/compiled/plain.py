@@ -1,12 +1,12 @@
-"""Plain Numba in place of tweezer's own compiling, for a release of Numba with other internals.
+"""Plain Numba instead of tweezer's own compilation, for Numba releases with different internals.
 
 With TWEEZER_PLAIN_NUMBA=1 `numba.njit` compiles every function and Numba's own cache stores it.
-Results differ by rounding alone. Compiling takes longer.
+Results differ only by rounding, but compiling takes longer.
 
-Numba notices a change of a function, but not of another function that it calls. The cache therefore
-has a folder for each state of tweezer's sources. It does not notice a change in a second file of a
-user's own force. Numba compiles a function again in each process if its closure contains another
-compiled function.
+Numba's cache detects a change of a function, but not of the functions that it calls. The cache
+therefore has a folder for each state of tweezer's sources. It does not detect a change in a second
+file of a user's own force. If a closure contains another compiled function, Numba compiles it again
+in each process.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from tweezer.compiled.fingerprint import name_by_values
 
 
 def cached_njit(signature: Any = None, **options: Any) -> Any:
-    """Compile a function with `numba.njit` and keep it in Numba's cache."""
+    """Compile a function with `numba.njit` and store it in Numba's cache."""
 
     def compiled(function: Callable[..., Any]) -> Any:
         name_by_values(function)
@@ -35,7 +35,7 @@ def cached_njit(signature: Any = None, **options: Any) -> Any:
 
 
 def named_njit(*, inner: bool = False, **options: Any) -> Any:  # noqa: ARG001
-    """Compile a function with `numba.njit`. Python may call it, even if it is `inner`."""
+    """Compile a function with `numba.njit`. Python may call it, even if `inner`."""
 
     def compiled(function: Callable[..., Any]) -> Any:
         name_by_values(function)
@@ -45,7 +45,7 @@ def named_njit(*, inner: bool = False, **options: Any) -> Any:  # noqa: ARG001
 
 
 def cache_functions(module: ModuleType) -> ModuleType:
-    """Let the functions of an emitted module use Numba's cache; returns the module."""
+    """Make the compiled functions of an emitted module use Numba's cache; return the module."""
     for each in vars(module).values():
         if isinstance(each, Dispatcher):
             each.enable_caching()

@@ -1,8 +1,8 @@
-"""Compiling shared by two processes: neither compiles what the other is compiling.
+"""Compilation shared by two processes, so that neither compiles a function that the other compiles.
 
 A process that compiles a function for Python locks a file in a shared folder. The other process
 waits for the lock and loads the function from the cache. A process has one lock at a time and
-requests none while it compiles, so no process waits for ever. Its end releases its lock.
+requests none while it compiles, so there is no deadlock. A lock is released when its process ends.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ try:
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
-#: Whether this machine has such locks, and functions are compiled by what asks for them
+#: Whether this system has file locks and tweezer's own compilation is used
 POSSIBLE = fcntl is not None and not PLAIN
 
 
 class _Lock:
-    """The lock that this process holds, if any, and the folder of all."""
+    """State of this process: the folder of lock files and the file descriptor of its lock."""
 
     folder: Path | None = None
     held: int | None = None
@@ -36,16 +36,16 @@ _lock = _Lock()
 
 
 def share(folder: Path | None) -> None:
-    """Share compiling with the process that is given the same folder; None: no longer."""
+    """Share compilation with the process that uses the same folder; stop sharing if None."""
     release()
     _lock.folder = folder
 
 
 def claim(name: str, dispatcher: Any) -> bool:
-    """Wait until no other process compiles the variant of that name; return whether compiling is
-    shared.
+    """Wait until no other process compiles a function, and lock it for this process.
 
-    dispatcher: its function. The wait counts as compiling.
+    `name` identifies the variant of the function and `dispatcher` is its Numba object. The wait
+    counts as compile time. Returns whether compilation is shared.
     """
     if _lock.folder is None:
         return False
@@ -58,16 +58,14 @@ def claim(name: str, dispatcher: Any) -> bool:
         except BlockingIOError:
             with event.trigger_event("numba:compile", data={"dispatcher": dispatcher}):
                 fcntl.flock(_lock.held, fcntl.LOCK_EX)
-    except OSError:  # the folder is gone with the other process, or has no locks
+    except OSError:  # the other process has removed the folder, or the file system has no locks
         release()
         return False
     return True
 
 
 def release() -> None:
-    """Release the lock, so that the other process can load the function that this one compiled
-    last.
-    """
+    """Release the lock, so that the other process can load the function that was compiled last."""
     if _lock.held is not None:
         os.close(_lock.held)
         _lock.held = None

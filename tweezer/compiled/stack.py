@@ -1,4 +1,4 @@
-"""Short arrays on the stack of compiled functions, which need no allocation."""
+"""Short arrays on the stack of compiled functions, which need no memory allocation."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-#: Bytes of a line of the processor's cache
+#: Size of a cache line of the processor, bytes
 _LINE = 64
 
 
 @intrinsic(prefer_literal=True)
 def on_stack(typing: Any, count: Any, dtype: Any) -> Any:  # noqa: ARG001
-    """Return an array on the stack of `count` elements of a type, not initialised.
+    """Return an uninitialised array of `count` elements on the stack.
 
     The count must be a constant. The array is valid until the function returns, and must not be
-    returned; in a loop it is the same memory in every round.
+    returned. In a loop every iteration gets the same memory.
     """
     if not isinstance(count, types.IntegerLiteral):
         return None
@@ -45,10 +45,10 @@ def on_stack(typing: Any, count: Any, dtype: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def borrowed(typing: Any, value: Any) -> Any:  # noqa: ARG001
-    """Return the same arrays without reference counts, to read and write while a caller owns them.
+    """Return the same arrays without reference counting, for use while a caller owns them.
 
-    value: a tuple of arrays, numbers and such tuples. Compiled code counts references wherever it
-    names an array, which costs more than short work on it.
+    `value` is a tuple of arrays, numbers and such tuples. Compiled code updates a reference count
+    wherever it names an array, which costs more than short work on the array.
     """
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:
@@ -58,7 +58,7 @@ def borrowed(typing: Any, value: Any) -> Any:  # noqa: ARG001
 
 
 def _uncounted(context: Any, builder: Any, kind: Any, value: Any) -> Any:
-    """Emit a copy of a value in which every array has no owner; kind: Numba's type of the value."""
+    """Emit a copy of a value of Numba's type `kind` in which no array has an owner."""
     if isinstance(kind, types.BaseTuple):
         parts = [
             _uncounted(context, builder, each, builder.extract_value(value, i))

@@ -1,4 +1,4 @@
-"""Titles of pages and figures: the name of a scene and, in words, the changes to it."""
+"""Titles of pages and figures: the name of a scene and its changes, in words."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from tweezer.scene.settings import described_at
 from tweezer.values.errors import SceneError
 from tweezer.values.prefixes import usual_unit
 
-#: Number of changes that a heading names
+#: Number of changes that a heading lists
 _NAMED = 3
-#: Sections whose keys are clear without them
+#: Sections whose keys are clear without the name of the section
 _CLEAR_ALONE = ("beam", "forces", "optics", "simulation")
-#: Sections of what is computed, and how: named last
+#: Sections that concern the computation, not the experiment; a heading lists them last
 _OF_COMPUTING = ("optics", "simulation")
-#: The sign of a number below zero
+#: Pattern of the hyphen before a negative number, which becomes a minus sign
 _MINUS = r"(?<![\w.])-(?=[\d.])"
-#: A number and its unit without a space between them
+#: Pattern of a number and a unit without a space between them
 _NUMBER_AT_UNIT = r"^([-+]?[\d.]+(?:[eE][-+]?\d+)?)([^\W\d](?![-+]?\d).*)$"
-#: Keys that are named otherwise in print
+#: Names of keys in text, where they differ from the key
 _IN_PRINT = {
     "forces.brownian": "thermal motion", "forces.optical": "light", "forces.dlvo": "DLVO forces",
     "bead.diameter": "bead diameter", "medium.temperature": "temperature",
@@ -31,10 +31,10 @@ _IN_PRINT = {
 
 
 def heading(scene: Scene, title: str) -> str:
-    """Return the title of a page: a scene's own title or, for a changed scene, its name and three
-    changes.
+    """Return the title of a page: the scene's own, or its name with up to three of its changes.
 
-    title: as the result has it. One that is not the scene's own is kept.
+    `title` is the title stored in the result. It is returned unchanged if it is not the scene's
+    own, or if the scene is unchanged.
     """
     if not scene.changed or title != scene.title:
         return title
@@ -47,9 +47,7 @@ def heading(scene: Scene, title: str) -> str:
 
 
 def of_changes(scene: Scene) -> list[str]:
-    """Return a note with every change to the scene as it was given, in a list; empty without
-    changes.
-    """
+    """Return a list with a note of all changes to the scene as loaded; empty without changes."""
     return [f"The scene is {scene.title}."] if scene.changed else []
 
 
@@ -74,7 +72,7 @@ def named(key: str) -> str:
 def _change(key: str, text: str) -> str:
     """Return a change in words, such as "bead diameter 0.8 um".
 
-    key, text: dotted key and value as they were given; bare numbers get a unit.
+    `key` is the dotted key and `text` the value as it was given; a number without a unit gets one.
     """
     if key == "beam":  # all beams were replaced: "2 of them"
         return text.replace("of them", "beams")
@@ -85,7 +83,7 @@ def _change(key: str, text: str) -> str:
 
 
 def _with_unit(key: str, text: str) -> str:
-    """Return the value of a key with a unit: "0.8 um" for the text "8e-7" of bead.diameter."""
+    """Return the value of a key with a unit, such as "0.8 um" for "8e-7" of bead.diameter."""
     try:
         given = json.loads(text)
         sizes = np.array(given, dtype=float)
@@ -100,5 +98,5 @@ def _with_unit(key: str, text: str) -> str:
 
 
 def _section(key: str) -> str:
-    """Return the kind of the section of a dotted key: "beam" for beam[2].power."""
+    """Return the section of a dotted key without its index, such as "beam" for beam[2].power."""
     return key.partition(".")[0].partition("[")[0]

@@ -1,8 +1,8 @@
-"""Pages to look at: one file of HTML each, with time to play and the picture to turn.
+"""Interactive pages: one HTML file each, with an animation and a picture to rotate.
 
-`content.py` says what a page shows, `of_run.py` and its neighbours make that of a result, and
-`page.py` puts it together with the scripts of `static/`. `kinds.py` has the table of kinds. Numbers
-travel as text in `arrays.py`, which measures what their rounding changes.
+`content.py` defines the content of a page, `of_run.py` and its neighbours derive it from a result,
+and `page.py` combines it with the scripts in `static/`. `kinds.py` chooses the module for a kind of
+result. `arrays.py` encodes numbers as text and measures the rounding error.
 """
 
 from tweezer.viewing.look import view

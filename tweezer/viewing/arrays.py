@@ -1,4 +1,4 @@
-"""Arrays of numbers in a page, in few bytes, with the rounding error that this causes."""
+"""Compact encoding of arrays of numbers in a page, with the rounding error that it causes."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from tweezer.values.errors import ResultError
 
-#: Number of steps of a range that 16 bits tell apart; one more number is that of what is missing
+#: Number of steps of a range that 16 bits can distinguish; the next number marks a missing value
 _STEPS = 65534
 
 
 class TooLargeError(ResultError, ValueError):
-    """Error for values that are too large for the arrays of a page."""
+    """Error for values that the number formats of a page cannot represent."""
 
 
 @dataclass(frozen=True)
 class Packed:
-    """An array of numbers as text: little-endian numbers in base64, and how to decode them.
+    """An array encoded as text: little-endian numbers in base64, with the rule for decoding them.
 
-    A value is `offset + step * number`. Missing values are NaN, or the largest number for uint16.
+    A value is `offset + step * number`. A missing value is NaN, or the largest number of uint16.
     """
 
     data: str
@@ -33,16 +33,16 @@ class Packed:
     shape: tuple[int, ...]
     unit: str
     rounding: float
-    """largest difference between a value of the page and the one given, in `unit`"""
+    """largest difference between a decoded value and the original, in `unit`"""
     largest: float
-    """largest size of a value, in `unit`"""
+    """largest magnitude of a value, in `unit`"""
     offset: float = 0.0
-    """value of the number 0, in `unit`"""
+    """value that the number 0 represents, in `unit`"""
     step: float = 1.0
-    """difference of values for neighbouring numbers, in `unit`"""
+    """difference between the values of successive numbers, in `unit`"""
 
     def values(self) -> NDArray[np.float64]:
-        """Return the values that the page shows, decoded, in `unit`."""
+        """Return the decoded values, as the page shows them, in `unit`."""
         raw = np.frombuffer(base64.b64decode(self.data), np.dtype(self.type).newbyteorder("<"))
         values = self.offset + self.step * raw.astype(np.float64)
         if self.type == "uint16":
@@ -50,15 +50,15 @@ class Packed:
         return values.reshape(self.shape)
 
     def as_json(self) -> dict[str, Any]:
-        """Return the array as a JSON object, as the JavaScript of a page reads it."""
+        """Return the array as a JSON object for the JavaScript of the page."""
         return {**vars(self), "shape": list(self.shape)}
 
 
 def float32(values: ArrayLike, unit: str) -> Packed:
-    """Return values as an array of a page, in 4 bytes each; values that are not finite are missing.
+    """Encode values in 4 bytes each; values that are not finite become missing.
 
-    Each is rounded to 6e-8 of its value. Raises `TooLargeError` for values beyond 3.4e38 in `unit`,
-    which 4 bytes cannot represent.
+    The relative rounding error is at most 6e-8. Raises `TooLargeError` for values beyond 3.4e38 in
+    `unit`, which 4 bytes cannot represent.
     """
     given = np.asarray(values, dtype=np.float64)
     with np.errstate(over="ignore"):
@@ -69,10 +69,10 @@ def float32(values: ArrayLike, unit: str) -> Packed:
 
 
 def uint16(values: ArrayLike, unit: str) -> Packed:
-    """Return values as an array of a page, in 2 bytes each; values that are not finite are missing.
+    """Encode values in 2 bytes each; values that are not finite become missing.
 
-    Each is rounded to 1/131068 of the range of all. This suits many beads, whose positions are only
-    drawn.
+    The rounding error is at most 1/131068 of the range of all values, which suffices to draw the
+    positions of many beads.
     """
     given = np.asarray(values, dtype=np.float64)
     there = np.isfinite(given)
@@ -87,10 +87,10 @@ def uint16(values: ArrayLike, unit: str) -> Packed:
 def _packed(
     raw: NDArray[Any], given: NDArray[Any], shown: NDArray[Any], unit: str, **reading: float
 ) -> Packed:
-    """Return the array of a page from its encoded numbers, with its rounding error.
+    """Return an encoded array with its rounding error.
 
-    raw: numbers to be written. given: values before encoding. shown: values after decoding.
-    reading: offset and step, if numbers are not values.
+    `raw` contains the encoded numbers, `given` the values before encoding and `shown` the values
+    after decoding, in `unit`. `reading` contains offset and step, if numbers are not values.
     """
     there = np.isfinite(given)
     rounding = float(np.abs(shown - given)[there].max(initial=0.0))

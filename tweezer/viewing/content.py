@@ -1,4 +1,4 @@
-"""What a page shows, before it is a page."""
+"""Content of a page, independent of HTML."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from tweezer.viewing.arrays import Packed
 
 
 class Row(NamedTuple):
-    """One line of the summary beside a page's picture: a quantity with its value."""
+    """One line of the summary beside the picture of a page: a quantity with its value."""
 
     name: str
     value: str
-    """with its unit, as text"""
+    """text of the value with its unit"""
     error: str = ""
-    """as text: "± 2 nm", or "not known"; "" for a value without an error"""
+    """text of the error, such as "± 2 nm" or "not known"; "" for a value without an error"""
     trusted: bool = True
-    """whether the value is valid; one that is not is marked on the page"""
+    """whether the value is valid; the page marks one that is not"""
 
 
 @dataclass(frozen=True)
@@ -28,11 +28,11 @@ class Content:
     """name of the JavaScript module that draws the page, `page` of `tweezer.values.saved.KINDS`"""
     title: str
     facts: dict[str, Any]
-    """single numbers and words for that module, by names that it knows, as JSON"""
+    """numbers and words for the JavaScript module, as JSON, by the names that it expects"""
     arrays: dict[str, Packed]
-    """arrays of numbers for that module, by names that it knows"""
+    """arrays of numbers for the JavaScript module, by the names that it expects"""
     summary: list[Row]
     notes: list[str]
-    """facts that a reader must know to trust the page, one or two short sentences each"""
+    """information that a reader needs to trust the page, one or two short sentences each"""
     warning: str = ""
-    """reason why the page is incomplete: the run was interrupted, or failed; "" for none"""
+    """reason why the page is incomplete, such as an interrupted run; "" if it is complete"""

@@ -1,4 +1,4 @@
-"""Choice of the module that makes the page of a result."""
+"""Selection of the module that creates the page of a result."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def content_of(given: Any, name: str) -> Content:
     """Return the content of the page of a dataset or a `Trap`.
 
-    name: of the result, for messages. Raises `ResultError` for a result without a page.
+    `name` is the name of the result in messages. Raises `ResultError` for a result without a page.
     """
     kind = kind_of(given)
     if kind is None or not kind.page:
@@ -25,6 +25,6 @@ def content_of(given: Any, name: str) -> Content:
         for reason in rising(given, "time") if "time" in getattr(given, "sizes", ()) else ():
             raise ResultError(reason)
         content: Content = importlib.import_module(f"tweezer.viewing.of_{kind.page}").content(given)
-    except TweezerError as error:  # of a scene too, such as a bead too far from the light
+    except TweezerError as error:  # also errors of the scene, such as a bead too far from the focus
         raise ResultError(f"{error}" if name in str(error) else f"{name}: {error}") from None
     return content

@@ -1,4 +1,4 @@
-"""Page of a result, of a file, or of a scene that is simulated first."""
+"""Page of a result, of a file, or of a scene, which is simulated first."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
 
 
 def _read(path: Path) -> xr.Dataset | Scene:
-    """Return the result in a file, or the scene with that name or file."""
+    """Return the result in a file, or the scene with that name or in that file."""
     if path.suffix in RESULTS:
         from tweezer.results.io import load_result
 

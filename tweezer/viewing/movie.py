@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
 #: Size of a film, pixels
 _WIDTH, _HEIGHT = 1280, 800
-#: Frames a second, and what ffmpeg does beside, by format
+#: Frames per second, and the options of ffmpeg for encoding, by file format
 FORMATS: dict[str, tuple[int, list[str]]] = {
     "mp4": (25, ["-pix_fmt", "yuv420p"]),
     "gif": (12, ["-vf", "split[a][b];[a]palettegen[p];[b][p]paletteuse"]),
 }
-#: What a browser is called on one system or another
+#: Names of the browser on different systems
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
-#: How the browser draws: without a window, and in 3-D without a graphics card
+#: Options of the browser: no window, and 3-D drawing without a graphics card
 _OPTIONS = (
     "--headless=new", "--hide-scrollbars", "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
@@ -37,9 +37,9 @@ _OPTIONS = (
 
 
 def options_of_browser() -> tuple[str, ...]:
-    """Return the options with which the browser starts.
+    """Return the options to start the browser with.
 
-    Only for root they switch off its sandbox, with which it refuses to run as root.
+    For the user root they disable its sandbox, because the browser refuses to run as root with it.
     """
     root = hasattr(os, "geteuid") and os.geteuid() == 0
     return (*_OPTIONS, *("--no-sandbox",) * root)
@@ -48,7 +48,7 @@ def options_of_browser() -> tuple[str, ...]:
 def programs() -> dict[str, str]:
     """Return the paths of browser, chromedriver and ffmpeg, by name.
 
-    Raises `ResultError` naming programs, or selenium, that are missing.
+    Raises `ResultError` that lists the missing programs, or selenium if that is missing.
     """
     found = {
         "Chromium": next(filter(None, map(shutil.which, _BROWSERS)), None),
@@ -66,10 +66,10 @@ def programs() -> dict[str, str]:
 def film(
     page: Page, path: Path, seconds: float, progress: Callable[[float], None] | None = None
 ) -> Path:
-    """Write a film of a page as .mp4 or .gif, from its first time to its last in `seconds`.
+    """Write a film of a page as .mp4 or .gif, which covers its whole time span in `seconds`.
 
-    progress: called with the finished part. Raises `ResultError` if a program is missing or fails,
-    and for a page without time.
+    `progress` is called with the completed fraction. Raises `ResultError` if a program is missing
+    or fails, and for a page without time.
     """
     where = programs()
     rate, how = FORMATS[path.suffix[1:].lower()]
@@ -91,7 +91,7 @@ def film(
                         progress(done / count)
                 writer.stdin.close()
             except BrokenPipeError:
-                pass  # ffmpeg says why
+                pass  # ffmpeg reports the reason itself
             said = writer.stderr.read().decode(errors="replace").strip()
         if writer.returncode:
             reason = said.splitlines()[-1] if said else "it failed"
@@ -102,9 +102,9 @@ def film(
 
 
 def _pictures(page: Page, folder: Path, where: dict[str, str], count: int) -> Iterator[bytes]:
-    """Yield PNG images of the page at `count` times, taken by a browser that is started for it.
+    """Yield PNG images of the page at `count` times, taken by a browser started for this purpose.
 
-    folder: for temporary files. where: paths of programs, by name.
+    `folder` is for temporary files, and `where` has the paths of the programs by name.
     """
     from selenium import webdriver
     from selenium.common import WebDriverException
@@ -125,7 +125,7 @@ def _pictures(page: Page, folder: Path, where: dict[str, str], count: int) -> It
 
 
 def frames(driver: WebDriver, source: Path, count: int) -> Iterator[bytes]:
-    """Yield PNG images of the page saved at `source`, at `count` times from the first to the last.
+    """Yield PNG images of the page saved at `source`, at `count` times from its first to its last.
 
     Raises `ResultError` for a page without time.
     """

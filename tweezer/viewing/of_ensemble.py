@@ -1,4 +1,4 @@
-"""The page of an ensemble: its beads as a moving cloud, or its statistics."""
+"""The page of an ensemble: a moving cloud of beads, or statistics."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ if TYPE_CHECKING:
 
 Numbers = NDArray[np.int64]
 
-#: Largest number of positions in a page, 6 bytes each
+#: Largest number of positions in a page, which take 6 bytes each
 _MOST = 2_000_000
-#: Number of times that are kept where there are too many positions, before beads are left out
+#: Smallest number of times to which they are thinned, before beads are left out
 _TIMES = 200
-#: Largest number of times of a page of statistics
+#: Largest number of times in a page of statistics
 _MOST_TIMES = 2000
 #: Largest number of bins of a density
 _BINS = 500
-#: Number of positions read at once
+#: Number of positions read at a time
 _READ = 2_000_000
 
 
 class _Course(NamedTuple):
-    """Mean, spread and number of the beads of an ensemble at each time shown."""
+    """Mean, spread and number of the beads of an ensemble, at each time shown."""
 
     mean: Array
     """(times, 3) mean position of the beads that are not lost, m"""
@@ -49,13 +49,13 @@ class _Course(NamedTuple):
     spread_error: Array
     """(times, 3) standard error of the standard deviation, m"""
     left: Array
-    """(times,) number of beads that are not lost"""
+    """(times,) number of beads that are not yet lost"""
     near: Array | None
-    """(times,) number of beads within a radius of the equilibrium; None if there is none"""
+    """(times,) number of beads within a bead radius of the equilibrium; None without one"""
 
 
 def content(dataset: xr.Dataset) -> Content:
-    """Return the content of the page of an ensemble, of its trajectories or of its statistics.
+    """Return the content of the page of an ensemble, from its trajectories or its statistics.
 
     Raises `ResultError` if its scene is not valid.
     """
@@ -104,11 +104,10 @@ def _of_trajectories(dataset: xr.Dataset, scene: Scene) -> Content:
 
 
 def _thinned(times: int, trajectories: int) -> tuple[Numbers, int, Numbers]:
-    """Choose the times and beads to show, evenly spaced, so that the page has at most 2 million
-    positions.
+    """Choose evenly spaced times and beads so that the page has at most 2 million positions.
 
     Times are left out first, down to 200, then beads. Returns the indices of the times, the number
-    of beads and the indices of the beads.
+    of beads, and the indices of the beads.
     """
     every = 1
     if times * trajectories > _MOST:
@@ -120,7 +119,7 @@ def _thinned(times: int, trajectories: int) -> tuple[Numbers, int, Numbers]:
 
 
 def _one_in(every: int, times: int) -> Numbers:
-    """Return the indices of one in `every` of so many times, always with the last."""
+    """Return the indices of one in `every` of so many times, always including the last."""
     return np.unique([*range(0, times, every), times - 1])
 
 
@@ -128,14 +127,13 @@ def _read(
     dataset: xr.Dataset, computed: NDArray[np.bool_], kept: Numbers, taken: Numbers,
     centre: Array | None, radius: float,
 ) -> tuple[_Course, Array]:  # fmt: skip
-    """Compute the course of all beads at the times kept, and read the positions of the beads to
-    show.
+    """Return the course of all beads at the times shown, and the positions of the beads shown.
 
     The ensemble is read in blocks of beads, because it may not fit into memory.
 
-    computed: (trajectories,) booleans. kept: indices of the times. taken: indices, among computed
-    beads, of those to show. centre: (3,) equilibrium, m; None without one. radius: of the bead, m.
-    Returns the course and the positions, (beads, times, 3) m.
+    `computed` (trajectories,) selects the beads that were computed. `kept` contains the indices of
+    the times and `taken` the indices, among computed beads, of those to show. `centre` (3,) is the
+    equilibrium, m, or None, and `radius` the bead's radius, m. Positions are (beads, times, 3) m.
     """
     numbers = np.flatnonzero(computed)
     times = dataset["time"].values[kept]
@@ -152,7 +150,7 @@ def _read(
             near += (np.linalg.norm(block - centre, axis=2) < radius).sum(axis=0)
         within = (taken >= first) & (taken < first + len(some))
         positions[within] = block[taken[within] - first]
-    # number, mean and sums of powers 2 to 4 of deviations from the mean, by time and axis
+    # number, mean, and sums of powers 2 to 4 of deviations from the mean, by time and axis
     count, mean, m2, _, m4 = found.reshape(5, times.size, 3)
     with np.errstate(divide="ignore", invalid="ignore"):
         variance = np.where(count > 1, m2 / (count - 1), np.nan)
@@ -161,12 +159,12 @@ def _read(
             np.where(count > 0, mean, np.nan), np.sqrt(variance / count), np.sqrt(variance),
             of_variance / (2 * np.sqrt(variance)), count[:, 0], None if centre is None else near,
         )  # fmt: skip
-    # the error of a standard deviation s follows from that of s^2 by division by 2 s
+    # error of a standard deviation s: the error of s^2 divided by 2 s
     return course, positions
 
 
 def _of_statistics(dataset: xr.Dataset, scene: Scene) -> Content:
-    """Return the content of the page of an ensemble that has kept statistics alone."""
+    """Return the content of the page of an ensemble that stored only statistics."""
     every = -(-dataset.sizes["time"] // _MOST_TIMES)
     kept = _one_in(every, dataset.sizes["time"])
     thin = dataset.isel(time=kept)
@@ -206,12 +204,12 @@ def _of_statistics(dataset: xr.Dataset, scene: Scene) -> Content:
 
 
 def _together(dataset: xr.Dataset) -> int:
-    """Return how many bins of the density are averaged into one, to have at most 500."""
+    """Return how many bins of the density are averaged into one so that at most 500 remain."""
     return max(1, -(-dataset.sizes["bin"] // _BINS))
 
 
 def _packed(times: Array, course: _Course) -> dict[str, Packed]:
-    """Return the times and the course of an ensemble as arrays of the page, by name."""
+    """Return the times and the course of an ensemble as encoded arrays, by name."""
     arrays = {
         "time": float32(times, "s"),
         "mean": float32(course.mean, "m"),
@@ -228,7 +226,7 @@ def _summary(
 ) -> list[Row]:
     """Return the lines of the summary of an ensemble.
 
-    total: number of beads. lost: number of beads lost before the end.
+    `total` is the number of beads, and `lost` the number of beads lost before the end.
     """
     rows = [
         Row("beads", f"{total}"),
@@ -260,7 +258,7 @@ def _summary(
 
 
 def _share(number: int, total: int) -> tuple[str, str]:
-    """Return a number of beads with its percentage, and the standard error of that, as text.
+    """Return a number of beads with its percentage, and the standard error of the percentage.
 
     The error is half the width of Wilson's interval for one standard deviation.
     """
@@ -284,7 +282,7 @@ def _stationary(dataset: xr.Dataset) -> list[Row]:
 
 
 def _of_times(times: int, kept: Numbers) -> list[str]:
-    """Return the note on times that were left out, in a list; an empty list if all are shown."""
+    """Return a list with a note on times that were left out; empty if all are shown."""
     if kept.size == times:
         return []
     return [
@@ -295,7 +293,8 @@ def _of_times(times: int, kept: Numbers) -> list[str]:
 def _of_thinning(times: int, total: int, kept: Numbers, beads: int) -> list[str]:
     """Return the notes on times and beads that were left out.
 
-    times, total: numbers of times and beads. kept: indices of the times shown. beads: number shown.
+    `times` and `total` are the numbers of times and beads. `kept` contains the indices of the times
+    shown, and `beads` is the number of beads shown.
     """
     notes = _of_times(times, kept)
     if beads < total:
@@ -307,8 +306,8 @@ def _of_thinning(times: int, total: int, kept: Numbers, beads: int) -> list[str]
 
 
 def _of_the_cloud(near: bool) -> list[str]:
-    """Return the notes on how to read the cloud. near: whether beads near an equilibrium are
-    counted.
+    """Return the notes on how to read the cloud; `near`: whether the page counts beads near an
+    equilibrium.
     """
     notes = [
         "Every point is the centre of a bead, at the last sample before the time shown. A bead "

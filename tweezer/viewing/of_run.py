@@ -1,4 +1,4 @@
-"""The page of a run: its bead moving in the light, with the forces and energies."""
+"""The page of a run: the bead moving in the light, with forces and energies."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-#: Part of the largest force below which a force beside light and weight is rounding
+#: Fraction of the largest force below which the sum of other forces is rounding error
 _NOTHING = 1e-9
-#: Variables of a run that its page shows as they are, and their units
+#: Variables of a run that its page shows unchanged, with their units
 _AS_THEY_ARE = {
     "time": "s", "position": "m", "orientation": "1", "speed": "m/s", "terminal_speed": "m/s",
     "distance": "m", "gap": "m",
@@ -75,14 +75,14 @@ def content(dataset: xr.Dataset) -> Content:
     )  # fmt: skip
 
 
-#: How a run ended that does not show what was asked for
+#: Words for the states of a run that ended before its duration, by the attribute `status`
 _ENDED = {"interrupted": "was stopped early", "failed": "failed"}
 
 
 def _moving_light(problem: Problem, times: Array) -> dict[str, Packed]:
     """Return foci, (times, beams, 3) m, and factors of power, (times, beams), for the page.
 
-    Returns no array if light and power do not change with time.
+    The dictionary is empty if light and power do not change with time.
     """
     light = problem.light
     if not isinstance(light, Beams) or all(
@@ -97,7 +97,7 @@ def _moving_light(problem: Problem, times: Array) -> dict[str, Packed]:
 def _forces(run: Run, problem: Problem) -> tuple[dict[str, Array], list[str]]:
     """Return the forces on the bead at the samples, (n, 3) N by name, and a note on them.
 
-    The drag is its steady part, -v/mobility (2.13), with the mobilities at each position.
+    Only the steady drag -v/mobility (2.13) is included, with the mobility at each position.
     """
     light, net = run["optical_force"], run["net_force"]
     scene, weight = problem.scene, np.array(problem.bead.weight)
@@ -143,10 +143,10 @@ def _energies(
 ) -> tuple[dict[str, Array], list[str]]:
     """Return the energies of the bead, (n,) by name in kT, and notes on them.
 
-    The work of a force is summed by the trapezoidal rule from sample to sample. With half as many
-    samples its error is four times as large, so a third of the difference estimates it.
+    The work of a force is summed by the trapezoidal rule from sample to sample. With every second
+    sample its error is four times as large, so a third of the difference estimates it.
 
-    forces: (n, 3) N by name. close: whether samples resolve the motion, so that work can be summed.
+    `forces` contains (n, 3) N by name. If not `close`, samples are too far apart to sum the work.
     """
     unit = Boltzmann * scene.medium.temperature
     energies = {}
@@ -181,7 +181,7 @@ def _energies(
 
 
 def _work(force: Array, position: Array) -> Array:
-    """Return the work of a force, (n, 3) N, along the path, (n, 3) m, as (n,) J from 0 at the first
+    """Return the work (n,), J, of a force (n, 3), N, along the path (n, 3), m, from the first
     sample.
     """
     steps = 0.5 * ((force[1:] + force[:-1]) * np.diff(position, axis=0)).sum(axis=1)
@@ -189,7 +189,7 @@ def _work(force: Array, position: Array) -> Array:
 
 
 def _of_the_summary(summary: Summary) -> list[str]:
-    """Return a note, in a list, if the summary was found from samples alone."""
+    """Return a list with a note if the summary was derived from samples alone; else empty."""
     if not summary.by_samples:
         return []
     return [
@@ -199,9 +199,9 @@ def _of_the_summary(summary: Summary) -> list[str]:
 
 
 def _of_the_path(run: Run, scene: Scene, *, close: bool) -> list[str]:
-    """Return a note on the distance of samples in time, and on the path drawn between them.
+    """Return a list with a note on the sampling interval and on the path drawn between samples.
 
-    close: whether samples resolve the motion.
+    If not `close`, samples are too far apart to resolve the motion.
     """
     times = run["time"]
     if len(times) < 2:
@@ -222,7 +222,7 @@ def _of_the_path(run: Run, scene: Scene, *, close: bool) -> list[str]:
 
 
 def _origin(run: Run, scene: Scene) -> list[str]:
-    """Return a note, in a list, with the versions and the seed with which the run was computed."""
+    """Return a list with a note on the versions, and the seed, with which the run was computed."""
     attributes = run.attributes
     drawn = f" Seed {attributes['seed']}." if scene.draws and "seed" in attributes else ""
     return [f"{computed_by(attributes)}{drawn}"]
@@ -282,7 +282,7 @@ def _rows(run: Run, scene: Scene, summary: Summary) -> list[Row]:
 def _approach(summary: Summary, *, seen: bool) -> list[Row]:
     """Return the lines on the approach to the focus of a bead without thermal motion.
 
-    seen: whether these numbers are valid, because they are not found from samples alone.
+    If not `seen`, the numbers were derived from samples alone and are marked as not valid.
     """
     rows = []
     if not math.isnan(summary.overshoot):
@@ -308,15 +308,16 @@ def _approach(summary: Summary, *, seen: bool) -> list[Row]:
 def _found(name: str, value: float, error: float | None, unit: str = "", *, seen: bool) -> Row:
     """Return a line of the summary for a number.
 
-    error: in the same unit; None if it is not known. seen: whether the number is valid.
+    The error has the same unit, and is None if it is not known. `seen` is whether the number is
+    valid.
     """
     return of_number(name, value, math.nan if error is None else error, unit, trusted=seen)
 
 
 def _up_to(name: str, error: float, unit: str, more: str = "") -> Row:
-    """Return a line of the summary for the bound of an error; "not known" if it is not finite.
+    """Return a line of the summary for an error bound; "not known" if it is not finite.
 
-    more: words that follow the bound.
+    `more` is text that follows the bound.
     """
     if not math.isfinite(error):
         return _row(name, NOT_KNOWN, trusted=False)
@@ -324,5 +325,5 @@ def _up_to(name: str, error: float, unit: str, more: str = "") -> Row:
 
 
 def _row(name: str, value: str, *, trusted: bool = True) -> Row:
-    """Return a line of the summary without an error."""
+    """Return a line of the summary for a value without an error."""
     return Row(name, value, "", trusted)

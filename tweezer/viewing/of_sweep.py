@@ -20,14 +20,14 @@ from tweezer.viewing.rows import computed_by
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Ratio of the ends of values from which on their axis is logarithmic, if their ratios are even
+#: Smallest ratio of the last value to the first for which an axis can be logarithmic
 _WIDE = 3.0
-#: Quantities whose sizes differ by orders of magnitude
+#: Quantities whose values differ by orders of magnitude
 _BY_RATIO = ("lifetime", "stiffness", "corner_frequency", "escape_energy", "escape_force")
 
-#: Names of the computed quantities, where the name of the sweep is no noun
+#: Nouns for the computed quantities whose sweep is named by a verb
 _NOUNS = {"calibrate": "calibration"}
-#: Quantities in SI units
+#: Quantities shown in SI units
 _IN_SI = ("lifetime",)
 
 
@@ -35,7 +35,7 @@ def content(dataset: xr.Dataset) -> Content:
     """Return the content of the page of a sweep. Raises `ResultError` if its scene is not valid."""
     of, scene = dataset.attrs["of"], scene_of(dataset)
     over = [str(dim) for dim in dataset["outcome"].dims]
-    # of all that has an order the page shows rising values
+    # the page shows numerical keys in ascending order
     dataset = dataset.sortby(
         [dim for dim in over if dim in dataset.coords and dataset[dim].dtype.kind in "if"]
     )
@@ -49,7 +49,7 @@ def content(dataset: xr.Dataset) -> Content:
             if each in dataset:
                 values = dataset[each].transpose(*over, ...).values * scale
                 arrays[each] = float32(values, unit or "1")
-                # such as a lifetime too long to be told
+                # for example a lifetime that is too long to be computed
                 if np.isinf(values).any():
                     arrays[f"{each}_endless"] = float32(np.isinf(values), "1")
         quantities.append({
@@ -82,7 +82,7 @@ def content(dataset: xr.Dataset) -> Content:
 def _unit(unit: str, *, apart: bool = False) -> tuple[float, str]:
     """Return the factor from an SI unit to the unit in which a quantity is shown, and its name.
 
-    apart: whether the quantity is shown in the SI unit itself.
+    If `apart`, the quantity is shown in the SI unit itself.
     """
     scale, name = (1.0, unit) if apart else in_tables(unit)
     return scale, typeset(name)
@@ -121,8 +121,9 @@ def _axis(dataset: xr.Dataset, dim: str) -> dict[str, Any]:
 
 
 def _wide(values: NDArray[Any]) -> bool:
-    """Return whether an axis should be logarithmic: ratios of ascending values are more even than
-    steps.
+    """Return whether an axis should be logarithmic.
+
+    The values, in ascending order, must have more even ratios than differences.
     """
     if values.size < 3 or values[0] <= 0 or values[-1] / values[0] <= _WIDE:
         return False
@@ -130,7 +131,7 @@ def _wide(values: NDArray[Any]) -> bool:
 
 
 def _summary(dataset: xr.Dataset, over: list[str], counts: dict[str, int]) -> list[Row]:
-    """Return the lines of the summary of a sweep. counts: number of cases by outcome."""
+    """Return the lines of the summary of a sweep; `counts`: number of cases by outcome."""
     shape = " x ".join(f"{dataset.sizes[dim]} {dim}" for dim in over)
     return [
         Row("computed of each case", dataset.attrs["of"]),
@@ -142,7 +143,7 @@ def _summary(dataset: xr.Dataset, over: list[str], counts: dict[str, int]) -> li
 
 
 def _notes(dataset: xr.Dataset, of: str) -> list[str]:
-    """Return the sentences on how to read the page. of: what was computed, such as "trap"."""
+    """Return the notes on how to read the page; `of`: what was computed, such as "trap"."""
     varied = [size for size in dataset["outcome"].shape if size > 1]
     notes = [
         "Each cell is one case, and ends in the middle between its neighbours. Hatched cells have "

@@ -23,19 +23,19 @@ from tweezer.viewing.content import Content, Row
 from tweezer.viewing.rows import of_number, si
 from tweezer.viewing.setting import of_the_picture, scene_facts
 
-#: Number of nodes of a table of one light, for each angle
+#: Number of nodes of a force table at each angle about the axis
 _NODES = 10_000
-#: Nodes computed beyond the ends of a table, so that what is not known there has no weight within
+#: Number of nodes beyond the edges of a table, so that its unknown surroundings do not affect it
 _BEYOND = 8
-#: Angles about the axis at which a light that is not round is computed
+#: Angles about the axis at which light without axial symmetry is computed
 _ANGLES = (0.0, math.pi / 3, 2 * math.pi / 3)
-#: An angle between these, at which it is computed once more, rad
+#: Another angle, at which the table is compared with the computed force, rad
 _BETWEEN = 0.4
-#: Number of places at which the tables are compared with the force that they stand for
+#: Number of positions at which the tables are compared with the force that they approximate
 _COMPARED = 2000
-#: Largest distance from the origin that is shown, in radii of the bead and over the largest focus
+#: Largest distance from the origin that is shown, in bead radii beyond the farthest focus
 _WIDEST = 20.0
-#: Heights at which forces of walls are tabulated, evenly, and as many next to each wall
+#: Number of evenly spaced heights at which wall forces are tabulated, and of heights near each wall
 _HEIGHTS = 400
 #: Smallest gap to a wall in such a table, m
 _CLOSEST = 1e-10
@@ -43,9 +43,9 @@ _CLOSEST = 1e-10
 
 @dataclass(frozen=True)
 class _Box:
-    """The region that the page shows: |x| and |y| at most `across`, z from `low` to `high`, m.
+    """The region that the page shows: |x| and |y| up to `across`, z from `low` to `high`, m.
 
-    Its origin is that of the scene.
+    It uses the coordinates of the scene.
     """
 
     across: float
@@ -55,31 +55,30 @@ class _Box:
 
 @dataclass(frozen=True)
 class _Table:
-    """The force of one beam's light on the bead about the beam's focus, as a table of cubic
-    B-splines.
+    """Optical force of one beam, relative to its focus, as a table of cubic B-splines.
 
     In cylindrical coordinates about the axis (distance rho, angle phi, height z) each component of
-    the force is a + b cos(2 phi) + c sin(2 phi), where a, b and c depend on rho and z. This holds
-    because the force is quadratic in the Jones vector of the light, a sum of two circular
-    polarisations: each alone gives a force without phi, both together one with 2 phi. Light that is
-    symmetric about its axis has a alone.
+    the force is a + b cos(2 phi) + c sin(2 phi), where a, b and c depend on rho and z. The reason
+    is that the force is quadratic in the Jones vector of the light, a sum of two circular
+    polarisations. Each polarisation alone gives a force independent of phi, and their product a
+    term in 2 phi. For light that is symmetric about its axis, b and c vanish.
     """
 
     coefficients: Array
-    """(1 or 3, component, z, rho) spline coefficients, N: of a, and of b and c if there are any;
+    """(1 or 3, component, z, rho) spline coefficients, N, of a, and of b and c unless they vanish;
     the components are radial, azimuthal and along z"""
     step: float
-    """distance of neighbouring nodes in rho and in z, m"""
+    """distance between neighbouring nodes in rho and in z, m"""
     low: float
-    """z of the first node, m; its rho is `-step`"""
+    """z of the first node, m; the rho of the first node is `-step`"""
     errors: Array
-    """(z, rho) deviation of the splines from the force in the middle of each cell between nodes,
-    N, the largest of a cell and its eight neighbours; the first cell begins at rho = 0 and z =
-    `low + step`"""
+    """(z, rho) deviation of the splines from the force at the centre of each cell between nodes, N,
+    as the largest of a cell and its eight neighbours; the first cell begins at rho = 0 and
+    z = `low + step`"""
 
     def force(self, places: Array) -> Array:
-        """Return the force, (n, 3) N, at positions relative to the focus, (n, 3) m, from the
-        splines.
+        """Return the force (n, 3), N, from the splines, at positions (n, 3) relative to the focus,
+        m.
         """
         rho, angle = np.hypot(places[:, 0], places[:, 1]), np.arctan2(places[:, 1], places[:, 0])
         at = np.array([(places[:, 2] - self.low) / self.step, rho / self.step + 1])
@@ -100,33 +99,31 @@ class _Table:
 
 @dataclass(frozen=True)
 class _Placed:
-    """The light of one beam at its place in the scene at time 0: focus, direction and power."""
+    """One beam of the scene at time 0: focus, power, direction, and the force of its light."""
 
     focus: Array
     """(3,) position of the focus, m"""
     factor: float
-    """factor of the power, and so of the force, at time 0"""
+    """ratio of the power, and so of the force, at time 0 to that of `light`"""
     down: bool
-    """whether the beam propagates down, that is, is turned by 180 degrees about x"""
+    """whether the beam propagates along -z, being rotated by 180 degrees about x"""
     light: LightForce
-    """force of the light about its own focus, for a beam that propagates up"""
+    """optical force relative to the focus, for propagation along +z"""
 
     @property
     def turn(self) -> Array:
-        """Signs (3,) that convert vectors between the axes of the scene and those of the beam."""
+        """Signs (3,) that convert vectors from the axes of the scene to those of the beam."""
         return np.array([1.0, -1.0, -1.0]) if self.down else np.ones(3)
 
     def within(self, places: Array) -> Array:
-        """Return positions in the scene, (n, 3) m, relative to the focus and along the axes of the
-        beam.
-        """
+        """Return positions (n, 3), m, of the scene relative to the focus, along the beam's axes."""
         return self.turn * (places - self.focus)
 
 
 def content(trap: Trap) -> Content:
     """Return the content of the page of a trap.
 
-    The page computes forces anywhere in a box about the trap from tables, which are computed here.
+    The page interpolates forces in a box around the trap from tables, which are computed here.
     """
     trap.check_scene_alone("the page of a trap")
     scene, problem = trap.scene, bound_once(trap.scene)
@@ -185,10 +182,9 @@ def _escape(escape: Escape) -> dict[str, Any]:
 
 
 def _box(trap: Trap, problem: Problem) -> _Box:
-    """Return the region to show: 3.5 radii of the bead about every focus, and more for a wide trap.
+    """Return the region to show: 3.5 bead radii around every focus, and more for a wide trap.
 
-    It contains the equilibria and ends of escapes that are near, and ends where the bead touches a
-    wall.
+    It contains nearby equilibria and escape paths, and ends where the bead touches a wall.
     """
     scene, r = trap.scene, trap.scene.body.size
     foci = problem.foci()
@@ -212,7 +208,7 @@ def _box(trap: Trap, problem: Problem) -> _Box:
 
 
 def _placed(problem: Problem) -> list[_Placed]:
-    """Return the lights of the scene at time 0, each with a smooth evaluator of the force."""
+    """Return the beams of the scene at time 0, each with a smooth evaluator of the force."""
     light = problem.light
     if not problem.scene.lit:
         return []
@@ -239,14 +235,14 @@ def _tables(lights: list[_Placed], box: _Box) -> dict[int, _Table]:
 
 
 def _table(light: LightForce, reach: float, low: float, high: float) -> _Table:
-    """Compute the table of a light up to the distance `reach` from its axis, z from `low` to
-    `high`, m.
+    """Tabulate the force of a light up to distance `reach` from its axis, from z = `low` to `high`,
+    m.
 
-    The nodes number about 10,000 for each angle phi about the axis, and reach beyond the ends. The
-    force is computed at one angle for symmetric light, else at three, which determine a, b and c of
-    `_Table`. It is computed again in the middle of each cell, at another angle, for the errors.
+    There are about 10,000 nodes for each angle phi about the axis, and some beyond the edges. Light
+    that is symmetric needs one angle, other light three, from which a, b and c of `_Table` follow.
+    The force at the centre of each cell, at another angle, then gives the errors of the table.
     """
-    step = math.sqrt(reach * (high - low) / _NODES)  # so that about _NODES cells fill the area
+    step = math.sqrt(reach * (high - low) / _NODES)  # about _NODES cells fill the area
     rho = step * np.arange(math.ceil(reach / step) + 1 + _BEYOND)
     z = low + step * np.arange(-_BEYOND, math.ceil((high - low) / step) + 1 + _BEYOND)
     angles = np.array(_ANGLES[:1] if light.symmetric else _ANGLES)
@@ -259,21 +255,21 @@ def _table(light: LightForce, reach: float, low: float, high: float) -> _Table:
         x, y = force[..., 0], force[..., 1]
         turned.append([cosine * x + sine * y, cosine * y - sine * x, force[..., 2]])
     at_angles = np.array(turned)
-    # a, b and c of `_Table` as Fourier coefficients: at 0, 60 and 120 degrees cos and sin of 2 phi
-    # are orthogonal, and their means are 0
+    # a, b and c of `_Table` as Fourier coefficients: at 0, 60 and 120 degrees, cos(2 phi) and
+    # sin(2 phi) are orthogonal and have the mean 0
     parts = [at_angles.mean(axis=0)]
     if angles.size > 1:
         parts += [2 * np.tensordot(turn(2 * angles), at_angles, 1) / angles.size
                   for turn in (np.cos, np.sin)]  # fmt: skip
     values = np.array(parts)
-    # At rho < 0 stands the force at |rho| after half a turn about the axis: radial and azimuthal
-    # components change sign, cos and sin of 2 phi do not. So splines are smooth across the axis
+    # The nodes at rho < 0 are those at |rho| after half a turn about the axis: radial and azimuthal
+    # components change sign, cos and sin of 2 phi do not. Splines are then smooth across the axis.
     sign = np.array([-1.0, -1.0, 1.0])[:, None, None]
     whole = np.concatenate([sign * values[..., :0:-1], values], axis=-1)
     for axis in (-2, -1):
         whole = spline_filter1d(whole, order=3, axis=axis, mode="mirror")
-    # coefficients for the cells within the ends: a cell of cubic splines needs a node more on
-    # either side of it
+    # coefficients for the cells within the edges: a cell of cubic splines needs one more node on
+    # each side
     kept = slice(_BEYOND - 1, 3 - _BEYOND), slice(rho.size - 2, 3 - _BEYOND)
     table = _Table(whole[..., *kept], step, float(z[_BEYOND - 1]), np.zeros(0))
     cells = [step * (np.arange(size - 3) + 0.5) for size in table.coefficients.shape[2:]]
@@ -285,10 +281,10 @@ def _table(light: LightForce, reach: float, low: float, high: float) -> _Table:
 
 
 def _of_walls(problem: Problem, box: _Box) -> tuple[Array, Array]:
-    """Return the force of walls on the bead (such as DLVO forces) over its height.
+    """Return the force of walls on the bead (such as DLVO forces) as a function of height.
 
-    Both arrays are (n,): heights z of the bead's centre, m, denser near a wall, and the force along
-    z, N. They are empty without such forces.
+    The result has two arrays (n,): heights z of the bead's centre, m, denser near a wall, and the
+    force along z, N. They are empty if there is no such force.
     """
     every = problem.beside_the_light_apart
     wall = problem.scene.wall
@@ -306,27 +302,26 @@ def _of_walls(problem: Problem, box: _Box) -> tuple[Array, Array]:
 
 
 class _Compared(NamedTuple):
-    """Differences between forces of the page and computed ones at random positions, N."""
+    """Differences between forces of the page and computed forces at random positions, N."""
 
     usual: float
     """median difference of the page's force from the force that its tables approximate"""
     tables: float
-    """largest of these differences"""
+    """largest of the differences whose median is `usual`"""
     evaluator: float
     """largest difference of the page's force from the force by the scene's own evaluator"""
     largest: float
-    """largest magnitude of the force of the light"""
+    """largest optical force"""
 
 
 def _compared(
     problem: Problem, box: _Box, lights: list[_Placed], tables: dict[int, _Table],
     walls: tuple[Array, Array],
 ) -> _Compared:  # fmt: skip
-    """Compare the page's force with the force that its tables approximate, at 2000 random
-    positions.
+    """Compare the page's force with the force that it approximates, at 2000 random positions.
 
-    Half of the positions are about the foci, where most of the force is. walls: heights, m, and
-    forces, N, from `_of_walls`.
+    Half of the positions are near the foci, where the force is largest. `walls` contains heights,
+    m, and forces, N, as returned by `_of_walls`.
     """
     rng = np.random.default_rng(0)
     low, high = [-box.across, -box.across, box.low], [box.across, box.across, box.high]
@@ -354,11 +349,11 @@ def _compared(
 
 
 def _summary(trap: Trap) -> list[Row]:
-    """Return the lines of the summary: what is known of the trap, each with its error."""
+    """Return the lines of the summary: the properties of the trap, each with its error."""
     sound = trap.ray_optics is None or trap.ray_optics.trusted
     _ = trap.lifetime  # computed on first use; `quantities` lists it only once it is computed
     rows = [Row("outcome", trap.words()["outcome"])]
-    in_words = {LIFETIME.name, POWER.name}  # their rows of the card say more
+    in_words = {LIFETIME.name, POWER.name}  # the text of their rows on the card is more complete
     listed = [each for each in trap.quantities() if each.of.name not in in_words]
     for measured in listed:
         each = measured.in_kT(trap.scene.medium.temperature)
@@ -380,7 +375,7 @@ def _summary(trap: Trap) -> list[Row]:
 
 
 def _notes(trap: Trap, compared: _Compared) -> list[str]:
-    """Return the sentences on how to read the page, with the differences that were found."""
+    """Return the notes on how to read the page, including the differences that were found."""
     usual, most = (si(each, "N") for each in (compared.usual, compared.tables))
     largest = si(compared.largest, "N")
     centre = "equilibrium" if trap.equilibrium else "focus"

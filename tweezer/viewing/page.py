@@ -1,4 +1,4 @@
-"""A page: one HTML file with all that it needs, made from a `Content`."""
+"""A page: one HTML file with everything it needs, made from a `Content`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tweezer.viewing.content import Content
 
 _STATIC = Path(__file__).with_name("static")
 _THREE = "vendor/three.module.min.js"
-#: Files by the names under which the modules of a page import them, beside the one of its kind
+#: Common files of pages, by the names under which JavaScript modules import them
 _MODULES = {
     "three": _THREE,
     **{
@@ -29,13 +29,13 @@ _MODULES = {
     },
 }
 _STYLES = ("page.css", "chart.css")
-#: Height of a page within a notebook, pixels
+#: Height of a page in a notebook, pixels
 _HEIGHT = 760
 
 
 @dataclass(frozen=True)
 class Page:
-    """A page to look at: one file of HTML that needs no server and no network."""
+    """An interactive page: one HTML file that requires no server and no network."""
 
     content: Content
 
@@ -58,13 +58,13 @@ class Page:
             imports=_in_script({"imports": imports}),
             content=_in_script(_as_json(self.content)),
         )
-        # what is no character, as in names of files that are not UTF-8, is shown as unknown
+        # lone surrogates, as in file names that are not UTF-8, become the replacement character
         return re.sub("[\ud800-\udfff]", "\N{REPLACEMENT CHARACTER}", page)
 
     def save(self, path: str | Path) -> Path:
-        """Write the page to `path`, replacing a page that exists.
+        """Write the page to `path`, replacing an existing page.
 
-        Raises `ResultError` if it cannot be written, or its name does not end in .html.
+        Raises `ResultError` if it cannot be written, or if its name does not end in .html.
         """
         path = Path(path)
         check_ending(path, ("html",))
@@ -73,16 +73,14 @@ class Page:
         return path
 
     def open(self) -> Path:
-        """Show the page in a browser, and return the path of the temporary file that was written
-        for it.
-        """
+        """Show the page in a browser; return the path of the temporary file that it opens."""
         folder = Path(tempfile.mkdtemp(prefix="tweezer-"))
         path = self.save(folder / f"{self.content.kind}.html")
         webbrowser.open(path.as_uri())
         return path
 
     def _repr_html_(self) -> str:
-        """Return the page in a frame, for Jupyter."""
+        """Return the page in a frame, for display in Jupyter."""
         return (
             f'<iframe srcdoc="{html.escape(self.html)}" title="{html.escape(self.content.title)}" '
             f'style="width: 100%; height: {_HEIGHT}px; border: 0" allowfullscreen></iframe>'
@@ -93,7 +91,7 @@ class Page:
 
 
 def _as_json(content: Content) -> dict[str, Any]:
-    """Return the content of a page as a JSON object, as its JavaScript reads it."""
+    """Return the content of a page as a JSON object for its JavaScript."""
     return {
         "kind": content.kind,
         "shows": next(kind.told for kind in SHOWN if kind.name == content.kind),
@@ -108,15 +106,15 @@ def _as_json(content: Content) -> dict[str, Any]:
 
 
 def _typeset(words: str) -> str:
-    """Return words with "um" as "µm"; scenes and tables of a terminal have "um"."""
+    """Replace "um", which scenes and terminal tables use, by "µm" in a text."""
     return re.sub(r"\bum\b", "µm", words)
 
 
 def _in_script(value: object) -> str:
-    """Return a value as JSON that can stand in a script of HTML: `<` is escaped, because it could
-    end it.
+    """Return a value as JSON for a script in HTML.
 
-    Raises `ResultError` for NaN.
+    The character `<`, which could end the script, is escaped. Raises `ResultError` for numbers that
+    are not finite.
     """
     try:
         text = json.dumps(value, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
@@ -126,10 +124,10 @@ def _in_script(value: object) -> str:
 
 
 def _address(path: Path) -> str:
-    """Return a data URL that contains a script, so that the page needs no other file."""
+    """Return a data URL that contains a script, so that the page requires no other file."""
     return "data:text/javascript;base64," + base64.b64encode(path.read_bytes()).decode()
 
 
 def _text(path: Path) -> str:
-    """Return the text of a file in UTF-8."""
+    """Return the text of a UTF-8 file."""
     return path.read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Numbers in the summary of a page: with a unit, and as many digits as their errors justify."""
+"""Numbers in the summary of a page, with units and as many digits as their errors justify."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tweezer.values import prefixes
 from tweezer.values.rounding import rounded
 from tweezer.viewing.content import Row
 
-#: In place of a number, or of its error, where there is none
+#: Text in place of a number or an error that is not known
 NOT_KNOWN = "not known"
 
 
@@ -20,10 +20,10 @@ def of_number(
 ) -> Row:  # fmt: skip
     """Return a line of the summary for a number, with as many digits as its error justifies.
 
-    A value that is not finite is shown as not known. The value and its error are in the SI unit
-    `unit`. The error is None for a number without an error, such as a given one. An unknown error
-    is NaN or infinite. With `in_tables` the number has the unit of figures and tables. Otherwise
-    its unit has the prefix that suits the number.
+    The value and its error are in the SI unit `unit`. The error is None for a number without an
+    error, such as a given one, and NaN or infinite if it is unknown. A value that is not finite is
+    shown as not known. If `in_tables`, the number has the unit of figures and tables, otherwise a
+    prefix that suits its size.
     """
     if not math.isfinite(value):
         return Row(name, NOT_KNOWN, "", trusted=False)
@@ -41,7 +41,7 @@ def of_number(
 
 
 def si(value: float, unit: str, digits: int = 3) -> str:
-    """Return an SI value as text, with the prefix that suits it; "not known" if not finite."""
+    """Return an SI value as text with a suitable unit prefix; "not known" if it is not finite."""
     if not math.isfinite(value):
         return NOT_KNOWN
     factor, name = prefixes.prefixed(value, unit)
@@ -49,7 +49,7 @@ def si(value: float, unit: str, digits: int = 3) -> str:
 
 
 def computed_by(attributes: Mapping[str, Any]) -> str:
-    """Return a sentence with the versions with which a result was computed, from its attributes."""
+    """Return a sentence with the versions that computed a result, from its attributes."""
     libraries = ", ".join(
         f"{name.removesuffix('_version')} {attributes[name]}"
         for name in ("tweezer_version", "numpy_version", "scipy_version", "numba_version")

@@ -1,4 +1,4 @@
-"""The page of a trap from the file that `tweezer trap --out` has saved."""
+"""The page of a trap saved by `tweezer trap --out`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tweezer.viewing.content import Content
 def content(path: Path) -> Content:
     """Return the content of the page of a saved trap, with a note that it was saved.
 
-    Raises `ResultError` for a file that is no saved trap.
+    Raises `ResultError` if the file is not a saved trap.
     """
     if (kind := kind_of_file(path)) and kind.name != "trap":
         raise ResultError(f"{path}: {refusal(kind, 'view', SHOWN)}")

@@ -1,4 +1,4 @@
-"""Facts and notes for the picture of any scene: bead, light and walls."""
+"""Properties of a scene for its picture (bead, light and walls), and notes on the picture."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from tweezer.scene import Scene
 
 
 def scene_facts(scene: Scene) -> dict[str, Any]:
-    """Return what a picture needs of a scene, in SI units: bead, cones of light, walls,
-    temperature.
+    """Return the properties of a scene that its picture shows: bead, light cones, walls and
+    temperature, in SI units.
     """
     return {
         "shells": [radius for radius, _ in scene.bead.shells],
@@ -44,12 +44,12 @@ def _walls(scene: Scene) -> list[dict[str, Any]]:
     return [{"z": z, "normal": normal, "name": name} for z, (normal, name) in planes.items()]
 
 
-#: Distance of two planes that are one, m
+#: Distance below which a wall and the cover glass are the same plane, m
 _SAME = 1e-12
 
 
 def of_the_picture(scene: Scene) -> list[str]:
-    """Return the sentences on how to read the picture of a scene, and its caveats."""
+    """Return the notes on how to read the picture of a scene, and its limitations."""
     turns = (
         "Its pattern is there to show how it turns."
         if scene.rotates
