@@ -25,7 +25,7 @@ from tweezer.runs import quantities as known
 from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
 from tweezer.values.measured import Measured, Result
-from tweezer.values.printed import located, printed, scaled
+from tweezer.values.printed import printed, scaled, with_error
 from tweezer.values.shown import Card, Row
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ class Summary(Result):
     def card(self) -> Card:
         """Return the card with outcome, end, approach and force."""
         doubt = "by the samples: what happens between them is not seen" if self.by_samples else ""
-        force = located(self.largest_force, self.force_error, "pN")
+        force = with_error(self.largest_force, self.force_error, "pN")
         largest = "not known" if math.isnan(self.largest_force) else force
         rows = (*self.outcome_rows(doubt), *self.approach_rows(), Row("largest force", largest))
         return Card("Summary", "", rows)
@@ -138,28 +138,28 @@ class Summary(Result):
 
         doubt: caveat of the outcome; "" for none.
         """
-        when = located(self.outcome_time, self.outcome_time_error, "ms")
+        when = with_error(self.outcome_time, self.outcome_time_error, "ms")
         yield Row("outcome", f"{self.outcome}, {when}{self.untold}", doubt)
         x, y, z = (round(scaled(coordinate, "um"), 4) + 0.0 for coordinate in self.end)  # no -0.0
         yield Row("end (x, y, z)", f"{x:.4f}, {y:.4f}, {z:.4f} um from the focus")
         if self.smallest_gap is not None:
-            gap = located(self.smallest_gap, self.smallest_gap_error, "um")
+            gap = with_error(self.smallest_gap, self.smallest_gap_error, "um")
             yield Row("smallest gap to the wall", gap)
 
     def approach_rows(self) -> Iterator[Row]:
         """Yield the rows on the overshoot, the first closest approach and the Reynolds number."""
         if not math.isnan(self.overshoot):
-            overshoot = located(self.overshoot, self.overshoot_error, "um")
+            overshoot = with_error(self.overshoot, self.overshoot_error, "um")
             yield Row("overshoot past the axis", overshoot)
         approach = "none"
         if self.closest_approach is not None and self.closest_approach_time is not None:
-            distance = located(self.closest_approach, self.closest_approach_error, "um")
-            at = located(self.closest_approach_time, self.closest_approach_time_error, "ms")
+            distance = with_error(self.closest_approach, self.closest_approach_error, "um")
+            at = with_error(self.closest_approach_time, self.closest_approach_time_error, "ms")
             approach = f"{distance} at {at}"
         yield Row("first closest approach", approach)
         if self.largest_reynolds_number is not None:
             number = self.largest_reynolds_number, self.largest_reynolds_number_error
-            yield Row("largest Reynolds number", located(*number, ""))
+            yield Row("largest Reynolds number", with_error(*number, ""))
 
 
 def summarise(run: xr.Dataset) -> Summary:

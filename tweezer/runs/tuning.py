@@ -16,7 +16,7 @@ from tweezer.dynamics.models import RATE_TIME
 from tweezer.dynamics.path import largest_distance
 from tweezer.scene import Scene, checked_scene
 from tweezer.values.errors import TweezerError
-from tweezer.values.printed import located, printed
+from tweezer.values.printed import printed, with_error
 from tweezer.values.rounding import time_taken
 from tweezer.values.shown import Card, Row, Shown, Table
 
@@ -48,7 +48,7 @@ class Tuned:
         """Deviation and its error in words, in micrometres, or "failed"."""
         if self.deviation is None:
             return "failed"
-        return located(self.deviation, self.deviation_error, "um")
+        return with_error(self.deviation, self.deviation_error, "um")
 
 
 @dataclass(frozen=True, repr=False)

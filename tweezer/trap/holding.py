@@ -68,7 +68,12 @@ class Lifetime(Shown):
     def card(self) -> Card:
         """Card with the mean time, and the distance at which the bead is lost."""
         far = Row("lost at", f"{micrometres(self.lost_at)} um from the focus")
-        return Card("Lifetime", "", (Row("held for", self.words), far))
+        return Card("Lifetime", "", (Row("held for", self.told), far))
+
+    @property
+    def told(self) -> str:
+        """`words`, which an infinite time precedes with what it means."""
+        return f"practically for ever ({self.words})" if math.isinf(self.time) else self.words
 
     @property
     def words(self) -> str:

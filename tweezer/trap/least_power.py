@@ -48,10 +48,10 @@ class LeastPower(Shown):
         power = f"{with_uncertainty(self.power / factor, self.error / factor)} {unit}"
         below = "below it there is no equilibrium" if self.no_trap_below else ""
         rows = [
-            Row("power through the pupil", power, below), Row("held for", self.lifetime.words)
+            Row("power through the pupil", power, below), Row("held for", self.lifetime.told)
         ]  # fmt: skip
         if self.without_light is not None:
-            words = self.without_light.words
+            words = self.without_light.told
             rows.append(
                 Row("without light", words, adds_nothing(self.lifetime, self.without_light))
             )
@@ -130,5 +130,5 @@ def _at_most(at: Callable[[float], Trap]) -> str:
     """Return a description of the trap at the largest power."""
     trap = at(_MOST)
     if trap.lifetime is not None:
-        return f"at 100 W it is held for {trap.lifetime.words}"
+        return f"at 100 W it is held for {trap.lifetime.told}"
     return f"at 100 W: {trap.reason or f'lifetime {trap.lifetime_caveat}'}"

@@ -399,11 +399,11 @@ class Trap(Comparable, Result):
             return
         if not (self.lifetime or self.lifetime_caveat):
             return
-        words = self.lifetime.words if self.lifetime else ""
+        words = self.lifetime.told if self.lifetime else ""
         speaks = ", ".join(filter(None, (doubt if words else "", self.lifetime_caveat)))
         yield Row("held for", words, speaks)
         if self.lifetime and (without := self.lifetime_without_light):
-            yield Row("  without light", without.words, adds_nothing(self.lifetime, without))
+            yield Row("  without light", without.told, adds_nothing(self.lifetime, without))
 
     def _frequencies(self, doubt: str) -> Iterator[Row]:
         """Yield the rows of corner frequencies, or of resonances if the bead oscillates."""

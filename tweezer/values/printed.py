@@ -41,18 +41,3 @@ def with_error(value: float, error: float | None, unit: str, sign: str = "+-") -
 def signal_unit(unit: str) -> str:
     """Return the unit in which small signals in "m" or "V" are printed: "nm" or "mV"."""
     return "mV" if unit == "V" else "nm"
-
-
-def located(value: float, error: float | None, unit: str) -> str:
-    """Return an SI number of a run as text, rounded to its error if that is known, with the unit.
-
-    error: 0 for an exact number, None or NaN if it is not known.
-    """
-    scale = per(unit)
-    text = f"{scale * value:.3g}"
-    if error == 0:
-        text = f"{scale * value:.4g}"
-    elif error is not None and math.isfinite(value) and math.isfinite(error):
-        digits = math.floor(math.log10(max(abs(value), error))) - math.floor(math.log10(error)) + 1
-        text = f"{scale * value:.{digits}g} +- {scale * error:.1g}"
-    return f"{text} {unit}".rstrip()

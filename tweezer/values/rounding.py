@@ -10,24 +10,38 @@ _PLAIN = (1e-6, 1e7)
 
 
 def rounded(value: float, uncertainty: float) -> tuple[str, str]:
-    """Return a value and its uncertainty as text, with two digits of the uncertainty.
+    """Return a value and its uncertainty as text, each with as many digits as mean something.
 
-    The value is rounded to the same decimal place.
+    The uncertainty has two digits, and the value is rounded to the same decimal place. A value
+    whose uncertainty is below its fourth significant digit has these four digits.
     """
     if not 0 < uncertainty < math.inf or not math.isfinite(value):
         return f"{value:.4g}", f"{uncertainty:.2g}"
-    # power of ten of the last digit, by formatting, which rounds 9.96 to two digits first
-    last = int(f"{uncertainty:.1e}".partition("e")[2]) - 1
-    size = max(abs(value), uncertainty)
+    if below_four_digits(value, uncertainty):
+        return _to_place(value, _power(value, 3) - 3, abs(value)), f"{uncertainty:.2g}"
+    place, size = _power(uncertainty, 1) - 1, max(abs(value), uncertainty)
+    return _to_place(value, place, size), _to_place(uncertainty, place, size)
+
+
+def below_four_digits(value: float, uncertainty: float) -> bool:
+    """Return whether an uncertainty is less than a unit of the fourth significant digit."""
+    return uncertainty < 10.0 ** (_power(value, 3) - 3) if value else uncertainty == 0
+
+
+def _power(value: float, decimals: int) -> int:
+    """Return the power of ten of a number's first digit, once it is rounded to 1 + `decimals`."""
+    return int(f"{value:.{decimals}e}".partition("e")[2])  # 9.96 becomes 1.0e1 first
+
+
+def _to_place(value: float, place: int, size: float) -> str:
+    """Return a number as text, rounded to the decimal place 10^place.
+
+    size: magnitude that decides whether the number is written with a power of ten.
+    """
     if not _PLAIN[0] <= size < _PLAIN[1]:
         power = math.floor(math.log10(size))
-        parts = (f"{x / 10.0**power:z.{max(power - last, 0)}f}" for x in (value, uncertainty))
-        first, second = (f"{part}e{power}" for part in parts)
-        return first, second
-    if last > 0:
-        first, second = (f"{round(x, -last):z.0f}" for x in (value, uncertainty))
-        return first, second
-    return f"{value:z.{-last}f}", f"{uncertainty:z.{-last}f}"
+        return f"{value / 10.0**power:z.{max(power - place, 0)}f}e{power}"
+    return f"{round(value, -place):z.{max(-place, 0)}f}"
 
 
 def least(value: float, digits: int = 3) -> str:
@@ -55,10 +69,13 @@ def _towards(rounding: Callable[[float], int], value: float, digits: int) -> str
 
 
 def with_uncertainty(value: float, uncertainty: float, sign: str = "+-") -> str:
-    """Return text such as "50.35 +- 0.49"; the value alone if the uncertainty is NaN."""
-    if math.isnan(uncertainty):
-        return f"{value:.4g}"
+    """Return text such as "50.35 +- 0.49".
+
+    It is the value alone, with four digits, if the uncertainty is NaN or below the fourth digit.
+    """
     first, second = rounded(value, uncertainty)
+    if math.isnan(uncertainty) or below_four_digits(value, uncertainty):
+        return first
     return f"{first} {sign} {second}"
 
 

@@ -62,8 +62,10 @@ const PREFIXES = [[1, ""], [1e3, "m"], [1e6, "µ"], [1e9, "n"], [1e12, "p"], [1e
 export function withError(value, error) {
   if (!Number.isFinite(value)) return { value: "–", error: "" };
   if (!Number.isFinite(error) || !(error > 0)) return { value: text(value, 4), error: "" };
+  const fourth = value ? 10 ** (Math.floor(Math.log10(Math.abs(value))) - 3) : 0;
+  if (error < fourth) return { value: text(value, 4), error: text(error, 2) };
   const last = Math.floor(Math.log10(error)) - 1, size = Math.max(Math.abs(value), error);
-  if (size >= 1e7 || size < 1e-5 || -last > 7) return { value: text(value, 7), error: text(error, 2) };
+  if (size >= 1e7 || size < 1e-5 || -last > 7) return { value: text(value, 5), error: text(error, 2) };
   const round = (x) => (last > 0 ? String(Math.round(x / 10 ** last) * 10 ** last) : x.toFixed(-last)).replace("-", "−");
   return { value: round(value), error: round(error) };
 }
