@@ -1,4 +1,4 @@
-"""Command line. Nothing heavy is imported until a command needs it."""
+"""Command line. Large libraries are imported only when a command needs them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from tweezer.values.errors import TweezerError
 
 __all__ = ["app", "main"]
 
-# in the order of the help
+# in the order of the help page
 for _group in (
     "new",
     "runs",
@@ -50,20 +50,20 @@ for _group in (
     importlib.import_module(f"tweezer.cli.{_group}")
 
 
-#: Time after which an interrupt that was ignored is made again, s
+#: Time after which an interrupt that Python ignored is repeated, s
 _ONCE_MORE = 0.05
 
 
 def main() -> None:
-    """Run the command line; an expected error is one line and exit code 2.
+    """Run the command line; an expected error prints one line and gives exit code 2.
 
-    SIGTERM and SIGHUP are treated as an interruption: results so far are written.
+    SIGTERM and SIGHUP are treated as an interruption, so results so far are written.
     """
     warnings.showwarning = show_warning  # type: ignore[assignment]
     sys.unraisablehook = _interrupt_again
-    # matrices are small here: threads for them take longer to start than they save
+    # matrices are small here: starting threads for them takes longer than they save
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    # nor is a plugin of pydantic worth the search of all installed packages
+    # pydantic would otherwise search all installed packages for plugins
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     for number in {signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)}:
         if signal.getsignal(number) is signal.SIG_DFL:
@@ -75,18 +75,18 @@ def main() -> None:
     except TweezerError as error:
         complain(str(error))
         sys.exit(BAD_INPUT)
-    except KeyboardInterrupt:  # before a command has begun
+    except KeyboardInterrupt:  # before a command began
         tell_interrupted()
         sys.exit(INTERRUPTED)
     except OSError as error:
         if error.errno != errno.ENOSPC:
             raise
         complain(f"what is printed cannot be written: {error.strerror}")
-        os._exit(FAILED)  # or the interpreter would flush once more
+        os._exit(FAILED)  # without another flush of the output by the interpreter
 
 
 def _interrupt_again(unraisable: Any) -> None:
-    """Repeat an interrupt that Python has ignored, as in callbacks of Numba's compiler."""
+    """Repeat an interrupt that Python ignored, for example in a callback of Numba's compiler."""
     if unraisable.exc_type is KeyboardInterrupt:
         threading.Timer(_ONCE_MORE, _thread.interrupt_main).start()
     else:

@@ -1,4 +1,4 @@
-"""The application to which commands belong, and the arguments that several of them share."""
+"""The application that contains all commands, and arguments that several commands share."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from tweezer.scene import Scene
 
 
-#: other words for commands
+#: Names of commands by the alternative names under which users may look for them
 _FAMILIAR = {
     "simulate": "run", "characterise": "trap", "characterize": "trap", "stiffness": "trap",
     "show": "view", "plot": "view", "optimise": "tune", "optimize": "tune", "init": "new",
@@ -27,21 +27,21 @@ _FAMILIAR = {
 
 
 class _Commands(typer.core.TyperGroup):
-    """The commands. An interrupted command reports the files that it has written."""
+    """Group of all commands. An interrupted command reports the files that it has written."""
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return the command of a name, or of another word for it."""
+        """Return the command with this name or alternative name."""
         return super().get_command(ctx, cmd_name) or super().get_command(
             ctx, _FAMILIAR.get(cmd_name, cmd_name)
         )
 
     def make_context(self, *arguments: Any, **options: Any) -> Any:
-        """Parse the arguments of a command."""
+        """Parse the arguments of a command, reporting an interrupt."""
         with telling_interrupt(), importing():
             return super().make_context(*arguments, **options)
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command."""
+        """Run the command, reporting an interrupt."""
         with telling_interrupt():
             return super().invoke(ctx)
 
@@ -121,7 +121,7 @@ FigureFile = Annotated[
 
 
 def scene_with(scene: str | Scene, settings: dict[str, str]) -> Scene:
-    """Return a scene, or the scene of that name or file, with settings (`settings_of`)."""
+    """Return a scene, or the scene of that name or file, with the changes of `settings_of`."""
     from tweezer.scene import checked_scene, with_settings
 
     described = checked_scene(scene)
@@ -129,10 +129,10 @@ def scene_with(scene: str | Scene, settings: dict[str, str]) -> Scene:
 
 
 def settings_of(changes: list[str], **simulation: str | None) -> dict[str, str]:
-    """Return the values by dotted key from `--set` and from options for keys of the simulation.
+    """Return values by dotted key, from `--set` and from options that set simulation keys.
 
-    changes: texts KEY=VALUE. simulation: value by key, None for options that are not given. Raises
-    `SceneError` for a key that is given twice.
+    `changes` are texts KEY=VALUE. `simulation` has the values of options by key, or None for
+    options that are not given. Raises `SceneError` for a key that is given twice.
     """
     settings: dict[str, str] = {}
     for change in changes:
@@ -149,9 +149,9 @@ def settings_of(changes: list[str], **simulation: str | None) -> dict[str, str]:
 
 
 def with_thermal_motion(scene: str | Scene, settings: dict[str, str]) -> Scene:
-    """Return a scene with settings and thermal motion, with the force from a map if possible.
+    """Return a scene with settings and thermal motion, with forces from a map if possible.
 
-    A map is used only if the scene does not choose an evaluator and its light has the symmetry.
+    A map is used only if the scene does not choose an evaluator and its light is symmetric enough.
     """
     thermal, by_map = scene_with(scene, {"forces.brownian": "true"} | settings), EVALUATORS["map"]
     if thermal.optics.evaluator == "auto" and thermal.allows(by_map):
@@ -160,7 +160,7 @@ def with_thermal_motion(scene: str | Scene, settings: dict[str, str]) -> Scene:
 
 
 def bind_light(scene: Scene) -> None:
-    """Show the caveat of ray optics, and compute the maps that the scene needs."""
+    """Warn if ray optics is inaccurate for the scene, and compute the force maps that it needs."""
     with importing():
         from tweezer.optics import light_force, ray_optics_caveat
 
@@ -169,12 +169,12 @@ def bind_light(scene: Scene) -> None:
     for alone in map(scene.with_one_beam, scene.beams):
         if alone.lit and scene.optics.evaluator == "map":
             map_of(alone)
-    with warnings.catch_warnings(action="ignore", category=PhysicsWarning):  # said above
+    with warnings.catch_warnings(action="ignore", category=PhysicsWarning):  # shown above
         light_force(scene)
 
 
 def map_of(scene: Scene) -> Map:
-    """Return the force map of a scene, made with a progress bar if it is not in the cache."""
+    """Return the force map of a scene, computed with a progress bar if it is not in the cache."""
     with showing_progress(f"map of {scene.name}", 1.0) as progress:
         from tweezer.optics import force_map
 
@@ -184,7 +184,7 @@ def map_of(scene: Scene) -> Map:
 def quantity_in(option: str, text: str, annotation: object) -> float:
     """Return the text of an option as a quantity in SI units, of the type `annotation`.
 
-    Raises `SceneError` if it is not valid; warns of a bare number that is unusual.
+    Raises `SceneError` for an invalid text; warns if a number without a unit is implausible.
     """
     from tweezer.values.units import bare, quantity_of, to_si
 

@@ -1,4 +1,4 @@
-"""The commands of `tweezer bench`."""
+"""The commands of `tweezer bench`, which measure speed and errors."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ app.add_typer(bench, name="bench")
 def _add_benchmark(name: str, report_name: str, told: str) -> None:
     """Add the command `tweezer bench NAME`, which runs a benchmark and prints its report.
 
-    name, report_name: modules of tests/benchmarks. told: help of the command.
+    `name` and `report_name` are modules of tests/benchmarks, and `told` is the help of the command.
     """
 
     @bench.command(name, help=told)
@@ -51,7 +51,7 @@ def _add_benchmark(name: str, report_name: str, told: str) -> None:
         for table in report.tables(results):
             print_rows(table)
         if out:
-            from tweezer.results.io import write_json  # here, as it loads xarray
+            from tweezer.results.io import write_json  # here, because it imports xarray
 
             write_json(results, out)
         if plot:
@@ -160,7 +160,7 @@ _add_benchmark(
 
 
 def _benchmark(name: str) -> ModuleType:
-    """Import a module of tests/benchmarks, which only a checkout has."""
+    """Import a module of tests/benchmarks, which exists only in a checkout of the sources."""
     root = Path(__file__).parents[2]
     if not (root / "tests" / "benchmarks" / f"{name}.py").is_file():
         raise TweezerError("bench: runs from a checkout of tweezer's sources, which this is not")

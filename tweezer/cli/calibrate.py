@@ -1,4 +1,4 @@
-"""The command calibrate."""
+"""The command `tweezer calibrate`."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from tweezer.calibration.setup import Setup
     from tweezer.reading import Recording
 
-#: Smallest number of frames in each track at which trapped beads are calibrated one by one
+#: Smallest number of frames in each track for which trapped beads must be calibrated one by one
 _LONG = 100
 
 Recordings = Annotated[
@@ -212,16 +212,16 @@ def calibrate(
 
 
 class _Focuses(NamedTuple):
-    """Positions of the focus above a wall, and the bead's shift with it."""
+    """Options on the position of the focus above a wall."""
 
     positions: list[float]
-    """m, one for each recording; none without --focus"""
+    """focus position of each recording, m; empty without --focus"""
     shift: float | None
-    """displacement of the bead for a unit displacement of the focus; None if it is fitted"""
+    """displacement of the bead for a unit displacement of the focus; None if it is to be fitted"""
 
 
 def _masses(given: dict[str, float]) -> dict[str, float]:
-    """Return the masses of the bead and of the fluid in its place, as far as given."""
+    """Return the masses, kg, of the bead and the displaced fluid whose densities are given."""
     volume = 4 / 3 * math.pi * given.get("radius", 0.0) ** 3
     names = {"density": "mass", "fluid-density": "displaced_mass"}
     return {names[name]: given[name] * volume for name in names if name in given}
@@ -234,10 +234,11 @@ def _loaded(
     how: dict[str, Any],
     of_traps: Sequence[object],
 ) -> tuple[list[Recording], list[Trajectory], ResultError | None]:
-    """Return recordings of traps; or tracks of free beads, and why the last one is no recording.
+    """Load recordings of trapped beads, or else tracks of free beads.
 
-    `of_traps` are the values of options that tracks do not take: with one of them, what is no
-    recording is refused.
+    Also returns the reason why the last file is not a valid recording of a trapped bead.
+    `of_traps` contains the values of options that apply only to traps: if one is given, a file
+    that is not a valid recording is refused.
     """
     from tweezer.calibration import Trajectory, load_trajectories
     from tweezer.reading import load_recording
@@ -259,7 +260,7 @@ def _loaded(
 def _calibrate_tracks(
     tracks: list[Trajectory], few: ResultError | None, setup: Setup, out: Path | None
 ) -> None:
-    """Print and write the common diffusion of tracks."""
+    """Determine the common diffusion coefficient of tracks; print it, and write it if asked."""
     common = _diffusion(tracks, setup)
     _print_tracks(common, tracks, few)
     for note in dict.fromkeys(track.note for track in tracks if track.note):
@@ -281,8 +282,8 @@ def _calibrate_traps(
 ) -> None:
     """Calibrate recordings of trapped beads; print the results, and write and draw them if asked.
 
-    Several recordings are combined, or find the wall if positions of the focus are given. Exits
-    with code 1 if a result has findings against it or an axis has no stiffness.
+    Several recordings are combined; with focus positions they determine the wall. Exits with
+    code 1 if a result has findings or an axis has no stiffness.
     """
     from tweezer.calibration import Trajectory, find_wall, together
     from tweezer.calibration.calibration import calibrated
@@ -339,7 +340,7 @@ def _calibrate_traps(
 
 
 def _diffusion(tracks: list[Trajectory], setup: Setup) -> Diffusion:
-    """Return the common diffusion coefficient of tracks, with the given values of the beads."""
+    """Return the common diffusion coefficient of tracks, using known properties of the beads."""
     from tweezer.calibration import diffusion
 
     exposure, noise = (None if each == "fit" else each for each in (setup.exposure, setup.noise))
@@ -350,10 +351,10 @@ def _diffusion(tracks: list[Trajectory], setup: Setup) -> Diffusion:
 
 
 def _print_tracks(free: Diffusion, tracks: list[Trajectory], few: ResultError | None) -> None:
-    """Print the diffusion of one track, or the common diffusion of several.
+    """Print the diffusion coefficient of one track, or the common one of several tracks.
 
     `few` is the reason why the last track cannot be calibrated as a trapped bead, if any. Raises
-    `ResultError` for long tracks of trapped beads, which are calibrated one by one.
+    `ResultError` for long tracks of trapped beads, which must be calibrated one by one.
     """
     first = tracks[0]
     held = any(each.name == "confined" for each in free.findings)
@@ -376,7 +377,7 @@ def _print_tracks(free: Diffusion, tracks: list[Trajectory], few: ResultError | 
 
 
 def _focuses(focus: str | None, shift: str | None, recordings: int) -> _Focuses:
-    """Return the positions of the focus, one for each of that many recordings."""
+    """Return the options on the focus, parsed from their text, for this number of recordings."""
     from tweezer.values.units import Length, bare
 
     if focus is None:
@@ -396,9 +397,9 @@ def _focuses(focus: str | None, shift: str | None, recordings: int) -> _Focuses:
 
 
 def _check_known(loaded: Recording, given: dict[str, float], beside: list[str]) -> None:
-    """Refuse options that contradict each other, or a recording, or require further options.
+    """Refuse options that contradict each other or the recording, or that require other options.
 
-    given: quantities by option. beside: options of a wall that are given.
+    `given` contains quantities by option, and `beside` the options given that concern a wall.
     """
     for option in beside:
         if loaded.scene is not None:

@@ -1,4 +1,4 @@
-"""The command compare."""
+"""The command `tweezer compare`."""
 
 from __future__ import annotations
 

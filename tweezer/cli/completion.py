@@ -1,6 +1,7 @@
-"""Completions by the shell: scenes, keys of scenes with their values, and other names.
+"""Shell completion of scenes, of their keys with values, and of other names.
 
-A shell asks at each press of a key, so only completions of keys import what scenes need.
+The shell runs it whenever Tab is pressed, so only the completion of keys imports the modules of
+scenes.
 """
 
 from __future__ import annotations
@@ -15,27 +16,27 @@ from pathlib import Path
 
 from tweezer.values.saved import RESULTS, SAVED_TRAP
 
-#: `tweezer.scene.SHIPPED`, which takes half a second to load
+#: Same as `tweezer.scene.SHIPPED`, the import of which takes half a second
 _SHIPPED = Path(__file__).parents[1] / "scenes"
 
 
 def complete_scene(incomplete: str) -> list[str]:
-    """Return the shipped scenes, TOML files and folders that begin with a text."""
+    """Return the shipped scenes, TOML files and folders whose names begin with `incomplete`."""
     return [*_shipped(incomplete), *_files(incomplete, (".toml",))]
 
 
 def complete_shown(incomplete: str) -> list[str]:
-    """Return the scenes, files of results and folders that begin with a text."""
+    """Return the scenes, result files and folders whose names begin with `incomplete`."""
     return [*_shipped(incomplete), *_files(incomplete, (".toml", *RESULTS, SAVED_TRAP))]
 
 
 def _shipped(incomplete: str) -> list[str]:
-    """Return the names of shipped scenes that begin with a text."""
+    """Return the names of shipped scenes that begin with `incomplete`."""
     return sorted(path.stem for path in _SHIPPED.glob("*.toml") if path.stem.startswith(incomplete))
 
 
 def _files(incomplete: str, suffixes: tuple[str, ...]) -> list[str]:
-    """Return files with these endings, then folders, in the folder that the text names."""
+    """Return the files with these suffixes, then the folders, that complete a path."""
     before = incomplete.rpartition("/")[0] + "/" if "/" in incomplete else ""
     try:
         here = sorted(path for path in Path(before).iterdir() if path.name[0] != ".")
@@ -49,9 +50,9 @@ def _files(incomplete: str, suffixes: tuple[str, ...]) -> list[str]:
 
 
 def answer_bash(app: Callable[..., None]) -> None:
-    """Print the completions of the application for Bash; those of KEY=VALUE without "KEY=".
+    """Print completions of the application for Bash; completions of KEY=VALUE without "KEY=".
 
-    Bash splits the word at the cursor into KEY, = and VALUE, and replaces only the part after "=".
+    Bash splits KEY=VALUE at the cursor into KEY, = and VALUE, and replaces only VALUE.
     """
     asked, before = os.environ.get("COMP_WORDS", ""), ""
     if parted := re.search(r"(\S+)\s=(?:\s(\S*))?$", asked):
@@ -67,8 +68,10 @@ def answer_bash(app: Callable[..., None]) -> None:
 
 
 def complete_setting(incomplete: str) -> list[str]:
-    """Return "KEY=" for keys that begin with a text; "KEY=VALUE" if the key is complete and has
-    choices.
+    """Return completions of KEY=VALUE.
+
+    These are "KEY=" for keys that begin with `incomplete`, and "KEY=VALUE" for each choice if the
+    key is complete and has choices.
     """
     from tweezer.scene import settable
 
@@ -81,18 +84,20 @@ def complete_setting(incomplete: str) -> list[str]:
 
 
 def complete_key(incomplete: str) -> list[str]:
-    """Return the keys of a scene that begin with a text."""
+    """Return the keys of a scene that begin with `incomplete`."""
     from tweezer.scene import settable
 
     return [each for each in settable() if each.startswith(incomplete)]
 
 
 def among(names: Iterable[str]) -> Callable[[str], list[str]]:
-    """Return a completion by these names, with hyphens for spaces, at which shells split words."""
+    """Return a completion function for these names; spaces become hyphens, since shells split at
+    spaces.
+    """
     offered = [name.replace(" ", "-") for name in names]
 
     def complete(incomplete: str) -> list[str]:
-        """Return the names that begin with a text."""
+        """Return the names that begin with `incomplete`."""
         return [name for name in offered if name.startswith(incomplete)]
 
     return complete

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def _console(*, stderr: bool) -> Console:
-    """Return a console that prints text literally, because names may contain brackets or colons."""
+    """Return a console without markup, because names may contain brackets or colons."""
     console = Console(stderr=stderr, markup=False, emoji=False)
     if console.width < 1:  # COLUMNS=0
         console.width = 80
@@ -33,23 +33,23 @@ def _console(*, stderr: bool) -> Console:
 
 OUT, ERR = _console(stderr=False), _console(stderr=True)
 FIGURE_FORMATS = ("pdf", "png", "svg")
-#: Type of an option for a folder of many files
+#: Suffix of an option for a Zarr store, a folder of many files
 STORES = ("zarr",)
 BAD_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 
 
-#: The files and folders that a command is to write, and the state of each before
+#: Files and folders that a command is about to write, with their earlier states
 _awaited: dict[Path, dict[Path, int]] = {}
 
 
 def _state(path: Path) -> dict[Path, int]:
-    """Return when a file, or each file in a folder, was last changed, ns."""
+    """Return the time of the last change of a file, or of each file in a folder, ns."""
     files = path.iterdir() if path.is_dir() else [path]
     return {each: each.stat().st_mtime_ns for each in files if each.is_file()}
 
 
 def awaited(path: Path) -> Path:
-    """Register a path, so that an interrupt reports whether it was written; return it."""
+    """Register `path` so that the interrupt message reports whether it was written; return it."""
     _awaited[path] = _state(path)
     return path
 
@@ -57,7 +57,7 @@ def awaited(path: Path) -> Path:
 def writable(path: Path, formats: tuple[str, ...]) -> Path:
     """Return `path`, or raise `ResultError` before any computation if it cannot be written.
 
-    With `STANDARD_OUTPUT` the command prints only its file. formats: allowed endings.
+    `formats` are the allowed suffixes. For `STANDARD_OUTPUT` all other output is suppressed.
     """
     check_ending(path, formats)
     if path == STANDARD_OUTPUT:
@@ -87,11 +87,10 @@ def writable_result(
     obstacle: Callable[[Path], str] = lambda _: "already exists",
     option: str = "--out",
 ) -> Path:
-    """Return `path` of a result, report or scene; refuse to replace a file that must be kept.
+    """Return the path of a result, report or scene; refuse to replace a file that must be kept.
 
-    `obstacle` is the reason why an existing file must not be replaced without --overwrite, and ""
-    if it may be. `option` is the option with which the user names another file. Results that
-    `tweezer bench` and `tweezer reproduce` measure again are replaced.
+    `obstacle` returns the reason why an existing file must not be replaced without --overwrite, or
+    "" if it may be. `option` is the option with which the user can choose another file.
     """
     path = writable(path, formats)
     if path != STANDARD_OUTPUT and path.exists() and not overwrite and (reason := obstacle(path)):
@@ -100,20 +99,20 @@ def writable_result(
 
 
 def writable_figure(path: Path | None, *, overwrite: bool = False) -> Path | None:
-    """Return `path` of a figure; refuse to replace a file that is no figure of tweezer."""
+    """Return the path of a figure; refuse to replace a file that tweezer did not draw."""
     return path and writable_result(
         path, FIGURE_FORMATS, overwrite=overwrite, obstacle=_no_figure, option="--plot"
     )
 
 
-#: How a figure of tweezer says what made it, by the end of its name
+#: Text by which tweezer's own figures are recognised, by suffix
 _SIGNS = {
     ".png": b"Software\0tweezer ", ".svg": b"<dc:title>tweezer ", ".pdf": b"/Creator (tweezer ",
 }  # fmt: skip
 
 
 def _no_figure(path: Path) -> str:
-    """Return why a figure must not replace the file at `path`; "" if that is one of tweezer too."""
+    """Return why a figure must not replace the file at `path`; "" if that is tweezer's figure."""
     with contextlib.suppress(OSError):
         check_regular(path)
         if _SIGNS[path.suffix.lower()] in path.read_bytes():
@@ -123,9 +122,9 @@ def _no_figure(path: Path) -> str:
 
 @contextlib.contextmanager
 def importing() -> Iterator[None]:
-    """Return a context for imports in which Python searches no garbage, to save time.
+    """Return a context for imports, which disables garbage collection to save time.
 
-    Objects made in it are never searched later.
+    Later collections ignore the objects created in it.
     """
     gc.disable()
     try:
@@ -137,7 +136,7 @@ def importing() -> Iterator[None]:
 
 @contextlib.contextmanager
 def telling_interrupt() -> Iterator[None]:
-    """Return a context for a command: an interrupt ends it with a message on what was written."""
+    """Return a context for a command, which turns an interrupt into a message on written files."""
     _awaited.clear()
     OUT.quiet = False
     try:
@@ -148,10 +147,12 @@ def telling_interrupt() -> Iterator[None]:
 
 
 def tell_interrupted() -> None:
-    """Print in one line what an interrupted command has written, and what is kept."""
+    """Print in one line which files an interrupted command wrote, and whether compiled code is
+    kept.
+    """
     written = [str(path) for path, before in _awaited.items() if _state(path) != before]
     told = f"wrote {' and '.join(written)}" if written else "nothing was written"
-    compiling = sys.modules.get("tweezer.compiled.compiling")  # of a command that came so far
+    compiling = sys.modules.get("tweezer.compiled.compiling")  # None before a command imports it
     if compiling and compiling.kept():
         told += "; what was compiled so far is kept"
     complain(f"interrupted: {told}")
@@ -161,10 +162,10 @@ def tell_interrupted() -> None:
 def showing_progress(
     description: str, total: float, afterwards: str = ""
 ) -> Iterator[Callable[[float], None]]:
-    """Return a context with a progress bar and notices of compilation; it yields the callback.
+    """Return a context with a progress bar and notices of compilation; it yields a callback.
 
-    The callback takes the progress reached, from 0 to `total`. afterwards: work that remains when
-    `total` is reached.
+    The callback is given the progress reached, from 0 to `total`. `afterwards` names the work that
+    remains when `total` is reached.
     """
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -183,12 +184,12 @@ def showing_progress(
         doing = description
 
         def say(compiling: Compilation) -> None:
-            """Show that functions are being compiled."""
+            """Show a notice that functions are being compiled."""
             spent = f"compiling, once: {compiling.seconds:.0f} s so far"
             progress.update(task, description=f"{doing} ({spent})", refresh=True)
 
         def reach(reached: float) -> None:
-            """Show the progress reached."""
+            """Update the progress bar."""
             nonlocal doing
             if afterwards and reached >= total:
                 doing = f"{description}: {afterwards}"
@@ -199,7 +200,7 @@ def showing_progress(
 
 
 def tell_written(*paths: Path | None) -> None:
-    """Print which files were written."""
+    """Print the paths of the files that were written; None is skipped."""
     written = " and ".join(str(path) for path in paths if path)
     if written:
         OUT.print(f"wrote {written}", highlight=False, soft_wrap=True)
@@ -207,13 +208,13 @@ def tell_written(*paths: Path | None) -> None:
 
 def write_result(result: Mapping[str, Any], path: Path) -> None:
     """Write a result as JSON with a digest."""
-    from tweezer.results.io import write_result  # here, as it loads xarray
+    from tweezer.results.io import write_result  # here, because it imports xarray
 
     write_result(result, path)
 
 
 def write_figure(figure: Figure, path: Path) -> None:
-    """Write a figure, as a whole or not at all."""
+    """Write a figure atomically, so that an interrupt leaves no partial file."""
     from tweezer.plots.style import save
     from tweezer.values.files import replacing
 

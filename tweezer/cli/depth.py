@@ -1,4 +1,4 @@
-"""The command fit-depth."""
+"""The command `tweezer fit-depth`."""
 
 from __future__ import annotations
 

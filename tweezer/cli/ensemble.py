@@ -1,4 +1,4 @@
-"""The command ensemble."""
+"""The command `tweezer ensemble`."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def ensemble(
     bind_light(described)
     with (
         showing_progress(described.name, 1.0) as progress,
-        warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said above
+        warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # shown above
     ):
         from tweezer.ensembles import ensemble as computed
 
@@ -110,7 +110,7 @@ def ensemble(
 
 
 def _print_ensemble(scene: Scene, result: xr.Dataset) -> None:
-    """Print how many beads were lost, means and spreads, and how the ensemble was computed."""
+    """Print the number of lost beads, means and standard deviations, and the method."""
     attributes = result.attrs
     table = table_of(scene.name, "")
     done = attributes["trajectories_done"]

@@ -1,4 +1,4 @@
-"""The command examples: recordings to try calibrations with."""
+"""The command `tweezer examples`, which copies recordings for trying calibrations."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ FOLDER = Path(__file__).parents[1] / "examples"
 
 
 class Example(NamedTuple):
-    """A shipped recording, and a command to try with it."""
+    """A shipped recording, with a command to try on it."""
 
     about: str
-    """description in a line"""
+    """description in one line"""
     command: str
-    """what to try with it"""
+    """command line to try"""
 
 
 EXAMPLES = {

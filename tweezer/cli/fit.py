@@ -1,4 +1,4 @@
-"""The command fit."""
+"""The command `tweezer fit`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The commands info and cache: the system that tweezer runs on, and its cached files."""
+"""The commands `tweezer info` and `tweezer cache`: system information and cached files."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from tweezer.cli.console import ERR, FAILED, OUT, complain
 from tweezer.cli.tables import table_of
 from tweezer.values.errors import ResultError, TweezerError
 
-#: Packages whose versions matter for what goes wrong
+#: Packages whose versions are useful in a bug report
 _PACKAGES = (
     "numpy", "scipy", "numba", "llvmlite", "xarray", "zarr", "h5netcdf", "pydantic", "pint",
     "matplotlib", "typer", "rich",
 )  # fmt: skip
-#: Extras for those who work on tweezer itself
+#: Optional dependencies for the development of tweezer itself
 _OF_DEVELOPERS = ("bench", "dev", "docs", "fatcuda", "test")
-#: Age from which on a file that was never finished is left over, s
+#: Age above which an unfinished file is considered abandoned, s
 _LEFT_OVER = 86400.0
 
 
@@ -36,12 +36,12 @@ class _Cache(NamedTuple):
 
     name: str
     folders: list[Path]
-    """folders that contain them"""
+    """folders that contain the files"""
     files: list[Path]
 
     @property
     def size(self) -> int:
-        """Size of all files that exist, bytes."""
+        """Total size of the files that exist, bytes."""
         return sum(_size(each) for each in self.files)
 
 
@@ -95,7 +95,7 @@ def cache(
         one = _size(path)
         try:
             path.unlink()
-        except FileNotFoundError:  # by another
+        except FileNotFoundError:  # deleted by another process
             continue
         except OSError as error:
             reason = error.strerror or str(error)
@@ -110,7 +110,7 @@ def cache(
 
 
 def _caches() -> list[_Cache]:
-    """Return the cached files by kind, without those that others are writing and their locks."""
+    """Return the cached files by kind, except locks and files that other processes are writing."""
     with ERR.status("looking"):
         from tweezer.compiled.folders import UNFINISHED, is_own, kept
         from tweezer.optics.table import tables_folder
@@ -138,7 +138,10 @@ def _caches() -> list[_Cache]:
 
 
 def _finished(path: Path, unfinished: re.Pattern[str]) -> bool:
-    """Return whether no other process can be writing a file. unfinished: pattern of names."""
+    """Return whether no process can still be writing a file.
+
+    `unfinished` is the pattern of the names of files being written.
+    """
     if not unfinished.fullmatch(path.name):
         return True
     try:
@@ -156,7 +159,7 @@ def _size(path: Path) -> int:
 
 
 def _facts() -> dict[str, Any]:
-    """Return what a report of a fault needs, by name, in the order in which it is read."""
+    """Return the facts for a bug report by name, in the order in which they are shown."""
     from tweezer.values.version import __version__
 
     caches = {
@@ -199,7 +202,7 @@ def _extras() -> dict[str, bool]:
     """Return, for each extra of tweezer, whether all of its packages are installed."""
     try:
         of_tweezer = metadata.metadata("tweezer")
-    except metadata.PackageNotFoundError:  # a folder that was never installed
+    except metadata.PackageNotFoundError:  # tweezer is used from a folder without installation
         return {}
     needed: dict[str, list[str]] = {}
     for line in of_tweezer.get_all("Requires-Dist") or ():
@@ -218,7 +221,7 @@ def _cores() -> int | None:
     """Return the number of cores that this process may use."""
     try:
         return len(os.sched_getaffinity(0))
-    except AttributeError:  # of Linux only
+    except AttributeError:  # exists only on Linux
         return os.cpu_count()
 
 
@@ -231,7 +234,7 @@ def _memory() -> float | None:
 
 
 def _browser() -> str | None:
-    """Return the name of the browser in which pages open; None if there is none."""
+    """Return the name of the browser that opens pages; None without a browser."""
     import webbrowser
 
     try:
@@ -242,7 +245,7 @@ def _browser() -> str | None:
 
 
 def _films() -> str:
-    """Return "yes" if `tweezer view --movie` can work, or what it lacks."""
+    """Return "yes" if `tweezer view --movie` can work, otherwise what is missing."""
     from tweezer.viewing.movie import programs
 
     try:
@@ -253,10 +256,10 @@ def _films() -> str:
 
 
 def _without_user(path: Path) -> str:
-    """Return a path without the names of the home folder and its user, for public reports."""
+    """Return a path without the names of user and home folder, so that reports can be public."""
     try:
         user = getpass.getuser()
-    except (OSError, KeyError, ImportError):  # a number without a name
+    except (OSError, KeyError, ImportError):  # the user's number has no name
         user = ""
     home = Path.home()
     if path.is_relative_to(home) and home != Path(home.anchor):
@@ -271,14 +274,14 @@ def _megabytes(size: int) -> str:
 
 
 def _common(folders: list[str]) -> str:
-    """Return the one folder, or the number of folders and the folder that contains all."""
+    """Return the only folder, or the number of folders and the folder that contains them all."""
     if not folders:
         return "none yet"
     if len(folders) == 1:
         return folders[0]
     try:
         return f"{len(folders)} folders in {os.path.commonpath(folders)}"
-    except ValueError:  # on several drives
+    except ValueError:  # on different drives
         return ", ".join(folders)
 
 

@@ -1,4 +1,4 @@
-"""The command new: it asks about an experiment, and writes a scene file from the answers."""
+"""The command `tweezer new`, which writes a scene file from answers about an experiment."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ if TYPE_CHECKING:
 
 Answer = TypeVar("Answer")
 
-#: Diameter of a bead of which larger ones are hardly trapped, by material; of others 1 um
+#: Default diameter of a bead by material, above which trapping is hardly possible; otherwise 1 um
 _DIAMETERS = {"gold": "100 nm", "silicon": "150 nm"}
-#: Power that heats a bead that absorbs by less than some 20 K; of others that of the laser
+#: Default power for absorbing materials, which heats a bead by less than some 20 K
 _POWERS = {"gold": "10 mW"}
-#: Index and viscosity of water, Pa s, roughly; speed of light, m/s
+#: Refractive index and viscosity of water, Pa s, approximately; speed of light, m/s
 _WATER, _VISCOSITY, _C = 1.33, 1e-3, 2.998e8
-#: Diameter below which Stokes' drag needs the mean free path of a liquid, m
+#: Diameter below which the scene needs a mean free path, for the validity of Stokes' drag, m
 _SMALL = 0.3e-6
 
 
-#: what `tweezer new` asks at a terminal, by the option that answers it
+#: Questions that `tweezer new` asks at a terminal, by the option that answers each
 QUESTIONS = {
     "bead": "material of the bead",
     "diameter": "diameter of the bead",
@@ -51,7 +51,7 @@ QUESTIONS = {
 
 
 class _NearlyError(SceneError):
-    """Error for an answer that is no choice but close to one, `choice`."""
+    """Error for an answer that is not a valid choice but close to `choice`."""
 
     def __init__(self, message: str, choice: str) -> None:
         super().__init__(message)
@@ -67,7 +67,7 @@ class _Experiment(NamedTuple):
     wavelength: float
     power: float
     depth: float | None
-    """distance of the focus from the cover glass; None if that is far"""
+    """distance of the focus from the cover glass; None if it is far away"""
 
 
 @app.command()
@@ -133,7 +133,7 @@ def new(
     from tweezer.values.files import replacing
 
     load_scene({"name": file.stem, **tomllib.loads(text)})
-    writable_result(file, ("toml",), overwrite=overwrite, option="FILE")  # it may be there by now
+    writable_result(file, ("toml",), overwrite=overwrite, option="FILE")  # it may exist by now
     with replacing(file) as whole:
         whole.write(text.encode())
     OUT.print(f"wrote {file}", highlight=False, soft_wrap=True)
@@ -143,7 +143,7 @@ def new(
 
 
 def _asks() -> bool:
-    """Return whether questions can be asked: both input and output are a terminal."""
+    """Return whether questions can be asked: input and output are both a terminal."""
     return sys.stdin.isatty() and sys.stdout.isatty()
 
 
@@ -154,10 +154,10 @@ def _answer(
     read: Callable[[str], Answer],
     choices: Callable[[], tuple[Table, list[str]]] | None = None,
 ) -> Answer:
-    """Return the value of an option, or else the answer at a terminal, or else the default.
+    """Return the value of an option; otherwise ask at a terminal, or use the default.
 
-    `read` returns the value of an answer, or raises `SceneError`. At a terminal the number of a row
-    in the table of choices is also an answer, and Enter accepts the suggested choice.
+    `read` converts an answer to a value, or raises `SceneError`. At a terminal the row number in
+    the table of `choices` is also an answer, and Enter accepts a suggested correction.
     """
     if given is not None:
         return read(given)
@@ -183,9 +183,9 @@ def _answer(
 
 
 def _named(option: str, text: str, names: Mapping[str, Iterable[str]]) -> str:
-    """Return the name that a text means: the name, its only beginning, or another word for it.
+    """Return the name that a text denotes: the name itself, an alias, or an unambiguous beginning.
 
-    Capitals, spaces and signs do not count. `names` has the other words by name.
+    Case, spaces, hyphens, underscores and slashes are ignored. `names` has the aliases by name.
     """
     folded = {_folded(word): name for name, more in names.items() for word in (name, *more)}
     if (name := folded.get(_folded(text))) is not None:
@@ -204,12 +204,12 @@ def _named(option: str, text: str, names: Mapping[str, Iterable[str]]) -> str:
 
 
 def _folded(text: str) -> str:
-    """Return a text for comparison: small letters without spaces and signs, and 1.30 as 1.3."""
+    """Return a text in a form for comparison: lower case, without separators, and 1.30 as 1.3."""
     return re.sub(r"(?<=\.[0-9])0|[\s_/-]", "", text.lower())  # 1.3 is 1.30
 
 
 def _material(text: str) -> Material:
-    """Return the material with this name, or another word for it."""
+    """Return the material with this name or alias."""
     names = {name: each.aliases for name, each in materials().items()}
     return materials()[_named("bead", text, names)]
 
@@ -220,7 +220,7 @@ def _objective(text: str) -> Objective:
 
 
 def _diameter(text: str) -> float:
-    """Return a diameter of a bead, m, from text."""
+    """Return the diameter of a bead, m, from text."""
     from tweezer.values.units import BEAD_RADIUS, Quantity
 
     low, high = BEAD_RADIUS
@@ -228,10 +228,9 @@ def _diameter(text: str) -> float:
 
 
 def _wavelength(text: str, material: Material) -> float:
-    """Return a vacuum wavelength, m, from the name of a laser, with or without "nm", or another
-    length.
+    """Return a vacuum wavelength, m, from a length or the name of a laser (the "nm" is optional).
 
-    Raises `SceneError` unless the indices of material and water are known there.
+    Raises `SceneError` unless the refractive indices of material and water are known there.
     """
     from tweezer.scene.water import WAVELENGTHS
     from tweezer.values.units import PositiveLength
@@ -251,7 +250,7 @@ def _wavelength(text: str, material: Material) -> float:
 
 
 def _power(text: str) -> float:
-    """Return a positive power, W, from text."""
+    """Return a power above 0, W, from text."""
     from tweezer.values.units import Power
 
     found = quantity_in("--power", text, Power)
@@ -263,7 +262,7 @@ def _power(text: str) -> float:
 def _depth(text: str, objective: Objective, diameter: float) -> float | None:
     """Return the depth of the focus behind the cover glass, m, from text; None for "none".
 
-    Raises `SceneError` for a bead that would touch the glass, and for "none" with oil immersion.
+    Raises `SceneError` if the bead would touch the glass, and for "none" with oil immersion.
     """
     from tweezer.values.units import PositiveLength
 
@@ -275,7 +274,7 @@ def _depth(text: str, objective: Objective, diameter: float) -> float | None:
             )
         return None
     depth = quantity_in("--depth", text, PositiveLength)
-    if depth <= 1.2 * diameter:  # where the bead starts
+    if depth <= 1.2 * diameter:  # the release position needs this distance
         raise SceneError(
             f"--depth {text!r}: must be more than {_usual(1.2 * diameter, 'm')}, for a bead of "
             f"{_usual(diameter, 'm')} before the focus"
@@ -286,7 +285,7 @@ def _depth(text: str, objective: Objective, diameter: float) -> float | None:
 def _numbered(
     headings: Iterable[str], rows: Mapping[str, Iterable[str]]
 ) -> tuple[Table, list[str]]:
-    """Return a table of choices with their numbers, and their names in order."""
+    """Return a numbered table of choices, and their names in order."""
     table = table_of("", *headings)
     for number, (name, cells) in enumerate(rows.items(), 1):
         table.add_row(f"{number}", name, *cells)
@@ -316,17 +315,17 @@ def _of_lasers() -> tuple[Table, list[str]]:
 
 
 def _index(index: complex) -> str:
-    """Return a refractive index as text: real, or complex for a material that absorbs."""
+    """Return a refractive index as text, complex only for a material that absorbs."""
     return f"{index.real:.4g}" if index.imag == 0 else f"{index.real:.3g}+{index.imag:.3g}j"
 
 
 def _in_toml(index: complex) -> str:
-    """Return a refractive index as a value of TOML; a complex one is text."""
+    """Return a refractive index as a TOML value; a complex one becomes a string."""
     return _index(index) if index.imag == 0 else f'"{_index(index)}"'
 
 
 def _usual(value: float, unit: str) -> str:
-    """Return a length or a power in SI units as text in its usual unit."""
+    """Return a length or power in SI units as text in its usual unit."""
     size, name = usual_unit(value, unit)
     return f"{value / size:.6g} {name}"
 
@@ -337,7 +336,7 @@ def _millimetres(metres: float) -> str:
 
 
 def scene_text(of: _Experiment) -> str:
-    """Return the text of the scene file of an experiment, with a comment at each key."""
+    """Return the text of the scene file of an experiment, with a comment on each key."""
     lens, size, light = of.objective, _usual(of.diameter, "m"), printed(of.wavelength, "nm", 6)
     index, pupil = of.material.refractive_index(of.wavelength), _millimetres(lens.pupil_radius)
     tube = f"{printed(lens.tube_lens, 'mm', 6)}/{lens.magnification:g}"
@@ -391,13 +390,13 @@ duration = "{round(duration / digits) * digits:g} ms"
 def _time_to_settle(of: _Experiment) -> float:
     """Return a rough upper estimate of the time in which a trapped bead comes to rest, s.
 
-    A small bead takes seven relaxation times along the light: drag over the stiffness of the
-    gradient force in the Rayleigh regime (Harada and Asakura, Opt. Commun. 124, 529, 1996), which
-    in a Gaussian focus is 8 n P a^3 K/(c w^2 z_R^2). Here n is the index of water, P the power, a
-    the radius of the bead, K its Clausius-Mossotti factor, c the speed of light, w the waist and
-    z_R = pi n w^2/lambda. A large bead's stiffness decreases as 1/a. Behind a cover the trap is
-    about a quarter of the depth before the nominal focus, in weaker light. The factors are from
-    runs.
+    For a small bead it is seven relaxation times along the light, the drag over the stiffness. In a
+    Gaussian focus the gradient force of the Rayleigh regime (Harada and Asakura, Opt. Commun. 124,
+    529, 1996) has the stiffness 8 n P a^3 K/(c w^2 z_R^2). Here n is the index of water, P the
+    power, a the radius of the bead, K its Clausius-Mossotti factor, c the speed of light, w the
+    waist and z_R = pi n w^2/lambda. A large bead's stiffness decreases as 1/a. Behind a cover glass
+    the trap is about a quarter of the depth before the nominal focus, in weaker light. The factors
+    are from simulated runs.
     """
     n, a, power = _WATER, of.diameter / 2, of.power
     permittivity = (of.material.refractive_index(of.wavelength) / n) ** 2
@@ -412,9 +411,9 @@ def _time_to_settle(of: _Experiment) -> float:
 
 
 def _behind_glass(of: _Experiment) -> str:
-    """Return the part of a scene file for a cover glass at the depth, if any.
+    """Return the part of a scene file on the cover glass, or "" if the glass is far away.
 
-    It is a wall, and for oil immersion also a face that the light passes.
+    The glass is a wall, and for oil immersion also an interface that the light crosses.
     """
     if of.depth is None:
         return ""

@@ -1,4 +1,4 @@
-"""Commands that compute ahead: map, warmup."""
+"""The commands `tweezer map` and `tweezer warmup`, which compute in advance."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The commands scenes and run."""
+"""The commands `tweezer scenes` and `tweezer run`."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from tweezer.runs.summary import Summary
     from tweezer.scene import Scene
 
-#: Name of the error of the model, the longest in the tables of a run
+#: Name of the model error, the longest row name in the tables of a run
 _BY_MODEL = "deviation from full inertia"
 
 
@@ -199,7 +199,7 @@ def run(
 
 
 def _scene_to_continue(run: Path | None) -> Scene:
-    """Return the scene of an earlier run as it was given, before anything in it was decided."""
+    """Return the scene of an earlier run as it was given, before defaults were resolved."""
     if run is None:
         raise SceneError("Missing argument SCENE: required without --continue-from")
     from tweezer.results.io import load_run, scene_in
@@ -208,7 +208,7 @@ def _scene_to_continue(run: Path | None) -> Scene:
 
 
 def _sampled(scene: Scene, rate: str, settings: dict[str, str]) -> Scene:
-    """Return the scene with as many samples as `rate` gives over its duration."""
+    """Return the scene with the number of samples that `rate` gives over its duration."""
     if "simulation.samples" in settings:
         raise SceneError(f"--rate {rate!r}: simulation.samples is set too; give one of the two")
     from tweezer.values.units import Frequency
@@ -225,7 +225,7 @@ def _sampled(scene: Scene, rate: str, settings: dict[str, str]) -> Scene:
 def _obstacle(out: Path, scene: Scene, seed: int | None, continued: str, forces_from: str) -> str:
     """Return why a run of `scene` must not replace the file at `out`; "" if it may.
 
-    See `tweezer.results.io.unlike`.
+    The arguments are those of `tweezer.results.io.unlike`, which decides it.
     """
     from tweezer.results.io import unlike
 
@@ -233,7 +233,7 @@ def _obstacle(out: Path, scene: Scene, seed: int | None, continued: str, forces_
 
 
 def _beside(out: Path, figure: Path | None) -> tuple[Path, Path | None]:
-    """Return the names of output and figure with the first number that makes both unused."""
+    """Return the names of output and figure with the first number for which neither file exists."""
     for number in itertools.count(2):
         new = _numbered(out, number), figure and _numbered(figure, number)
         if not any(path and path.exists() for path in new):
@@ -252,7 +252,7 @@ def followed_with_progress(
     going_on: tuple[Scene, Continued] | None = None,
     forces: Sequence[Force] = (),
 ) -> tuple[Run, Callable[[], None]]:
-    """Return the run of a scene, and the function that computes its other errors.
+    """Return the run of a scene, and a function that computes its remaining errors.
 
     Both show progress bars.
 
@@ -264,17 +264,17 @@ def followed_with_progress(
     end = (going_on[0] if going_on else scene).simulation.duration
     with (
         showing_progress(scene.name, end, "errors") as progress,
-        warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said at the end
+        warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # shown at the end
     ):
         from tweezer.runs.simulation import motion_of
 
         run, find_errors = motion_of(scene, seed, forces, progress=progress, going_on=going_on)
 
     def with_progress() -> None:
-        """Compute the errors of the run, with a progress bar."""
+        """Compute the remaining errors of the run, with a progress bar."""
         with (
             showing_progress(f"{scene.name}: errors", 1.0),
-            warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said before
+            warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # shown before
         ):
             find_errors()
 
@@ -282,7 +282,7 @@ def followed_with_progress(
 
 
 def _print_summary(scene: Scene, result: Run) -> None:
-    """Print the outcome of a run, and how it was computed."""
+    """Print the outcome of a run, and the methods that computed it."""
     from tweezer.runs.summary import summary_of
 
     summary = summary_of(result)
@@ -322,7 +322,7 @@ def _print_summary(scene: Scene, result: Run) -> None:
 
 
 def _print_errors(scene: Scene, result: Run) -> None:
-    """Print the errors that are known last: see `tweezer.runs.simulation.motion_of`."""
+    """Print the errors of a run, which are known only after its outcome."""
     from tweezer.runs.summary import summary_of
 
     summary, by_model = summary_of(result), result.attributes["model_error"]
@@ -339,14 +339,14 @@ def _print_errors(scene: Scene, result: Run) -> None:
 
 
 def _table(heading: str) -> Table:
-    """Return an empty table whose second column is aligned with the other table's."""
+    """Return an empty table whose second column is aligned with that of the other table."""
     table = table_of(heading, "")
     table.columns[0].min_width = len(_BY_MODEL)
     return table
 
 
 def _up_to(error: float, summary: Summary) -> str:
-    """Return a largest error of positions, m, in words."""
+    """Return the largest error of positions, m, as text."""
     return "not known" if math.isnan(error) else f"up to {printed(error, 'um', 1)}{_where(summary)}"
 
 

@@ -1,4 +1,4 @@
-"""The command sweep."""
+"""The command `tweezer sweep`."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from tweezer.scene.choices import SWEPT
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Number of reasons of failed cases that are shown
+#: Number of different reasons for failed cases that are shown
 _REASONS = 5
 
 
@@ -128,17 +128,17 @@ def sweep(
 
 
 def _check_drawn(over: list[str], cases: Path | None) -> None:
-    """Raise `ResultError` for a sweep that has no figure, before it is computed."""
+    """Raise `ResultError` before the computation if a sweep cannot be drawn."""
     from tweezer.plots.sweeps import drawn_over
     from tweezer.sweeps.cases import cases_of, read_over
 
-    with warnings.catch_warnings(action="ignore"):  # the sweep gives them again
+    with warnings.catch_warnings(action="ignore"):  # the sweep repeats these warnings
         grid = cases_of(read_over(over), cases)
     drawn_over({axis.name: axis.size for axis in grid.axes})
 
 
 def _print_sweep(name: str, result: xr.Dataset) -> None:
-    """Print the number of cases with each outcome, and why some failed."""
+    """Print the number of cases with each outcome, and the reasons for failures."""
     from tweezer.sweeps.quantities import FAILED
 
     table = table_of(name, "")

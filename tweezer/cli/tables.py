@@ -1,4 +1,4 @@
-"""Tables of results in a terminal."""
+"""Tables of results at a terminal."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ def add_light(table: RichTable, scene: Scene) -> None:
 
 
 def add_rows(table: RichTable, rows: Iterable[Row]) -> None:
-    """Add rows of a result, each with its caveat."""
+    """Add rows of a result with their caveats to a table."""
     for row in rows:
         table.add_row(row.name, row.told)
 
 
 def print_card(card: Card) -> None:
-    """Print a result: its rows, its tables, and its notes."""
+    """Print a result: its rows, tables and notes."""
     table = table_of(card.of, "")
     add_rows(table, card.rows)
     OUT.print(table)
@@ -41,7 +41,7 @@ def print_card(card: Card) -> None:
 
 
 def print_table(cells: Table) -> None:
-    """Print a table of a result."""
+    """Print one table of a result."""
     table = table_of(*cells.headings)
     for row in cells.rows:
         table.add_row(*row)
@@ -49,7 +49,7 @@ def print_table(cells: Table) -> None:
 
 
 def print_parts(parts: Iterable[Table | str]) -> None:
-    """Print tables and lines of a result."""
+    """Print the tables and lines of a result in order."""
     for each in parts:
         if isinstance(each, str):
             OUT.print(each, highlight=False, soft_wrap=True)
@@ -66,9 +66,9 @@ def table_of(*headings: str) -> RichTable:
 
 
 def print_rows(rows: list[list[str]]) -> None:
-    """Print a table without breaking words; its first row has the headings.
+    """Print a table without breaking words; its first row contains the headings.
 
-    Rows become lists if the terminal is too narrow; a pipe or a file has no width.
+    If the terminal is too narrow, each row is printed as a list. Pipes and files have no width.
     """
     console = OUT if OUT.is_terminal else Console(width=10_000, quiet=OUT.quiet)
     columns = list(zip(*rows, strict=True))
@@ -76,7 +76,7 @@ def print_rows(rows: list[list[str]]) -> None:
     by_words = [
         max(len(word) for cell in cells for word in [*cell.split(), ""]) for cells in columns
     ]
-    by_words[0] = max(by_words[0], min(by_cells[0], 30))  # names of rows preferably in one line
+    by_words[0] = max(by_words[0], min(by_cells[0], 30))  # prefer names of rows on one line
     headings, *rest = rows
     for widths in (by_cells, by_words):
         if sum(widths) + 3 * len(widths) + 1 <= console.width:

@@ -1,4 +1,4 @@
-"""The command reproduce."""
+"""The command `tweezer reproduce`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Commands on a trap at rest and on scaling: trap, tune."""
+"""The commands `tweezer trap` and `tweezer tune`."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def trap(
     from tweezer.trap import characterise
 
     characterised = characterise(described, forces=force or [])
-    _ = characterised.lifetime  # computed where it is asked for
+    _ = characterised.lifetime  # computed on first use
     print_card(characterised.card())
     if out:
         from tweezer.trap.saved_trap import content_of
@@ -114,10 +114,10 @@ def trap(
 def _trap_over(
     scene: Scene, ends: tuple[str, str], count: int, out: Path | None, plot: Path | None
 ) -> None:
-    """Compute the trap over heights of the focus; print, write and draw it.
+    """Compute the trap at several heights of the focus; print, write and draw it.
 
-    If it is interrupted, the heights reached so far are printed and written. ends: lowest and
-    highest.
+    If it is interrupted, the heights computed so far are printed and written. `ends` are the lowest
+    and highest height.
     """
     from tweezer.optics import ray_optics_caveat
     from tweezer.values.units import PositiveLength
@@ -130,7 +130,7 @@ def _trap_over(
         show_warning(caveat)
     with (
         showing_progress(scene.name, 1.0) as progress,
-        warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said above
+        warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # shown above
     ):
         from tweezer.trap import trap_over_heights
 
@@ -185,7 +185,7 @@ def tune(
     from tweezer.runs.tuning import scaled_scenes
     from tweezer.runs.tuning import tune as compared
 
-    scaled_scenes(described, factor, method)  # errors before the light is bound
+    scaled_scenes(described, factor, method)  # to raise errors before the light is computed
     bind_light(described)
     with showing_progress(described.name, 1.0) as progress:
         tuning = compared(described, factor, method=method, progress=progress)
@@ -206,7 +206,7 @@ def tune(
 
 
 def _print_heights(found: xr.Dataset) -> None:
-    """Print a table of the trap with a row for each height."""
+    """Print a table of the trap with one row for each height."""
     rows = [
         ["height, um", "equilibrium, um", "gap, um", "stiffness (x, y, z), pN/um",
          "drag across, along, times", "corner frequencies, Hz"]

@@ -1,4 +1,4 @@
-"""The command view."""
+"""The command `tweezer view`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from tweezer.values.saved import RESULTS, SAVED_TRAP
 if TYPE_CHECKING:
     from tweezer.viewing import Page
 
-#: Time that a film takes if nothing is said, s
+#: Default duration of a film, s
 _SECONDS = 8.0
 
 
@@ -91,12 +91,12 @@ def view(
         raise typer.Exit(code)
 
 
-#: What a page of tweezer says near its beginning, and within how many bytes
+#: Text near the beginning of a page of tweezer, and the number of bytes that contain it
 _SIGN, _HEAD = b'<meta name="generator" content="tweezer ', 4096
 
 
 def _obstacle(out: Path) -> str:
-    """Return why a page must not replace the file at `out`; "" if that is a page too."""
+    """Return why a page must not replace the file at `out`; "" if that is tweezer's page."""
     with contextlib.suppress(OSError), out.open("rb") as file:
         if _SIGN in file.read(_HEAD):
             return ""
@@ -104,7 +104,7 @@ def _obstacle(out: Path) -> str:
 
 
 def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
-    """Return the page of a result or scene, and the exit code, that of a run that ended early."""
+    """Return the page of a result or scene, and the exit code, which reports an incomplete run."""
     if Path(name).suffix in (*RESULTS, SAVED_TRAP):
         if changes or trap:
             given = "--trap" if trap else "--set"

@@ -1,4 +1,4 @@
-"""Compilation ahead of what scenes need, by brief runs of what their users will compute."""
+"""Compilation in advance, by brief runs of the computations that scenes need."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from tweezer.tracking.filter import kalman_filter
 from tweezer.trap.elimination import mean_times
 from tweezer.values.errors import PhysicsWarning
 
-#: s, simulated
+#: Simulated duration of a brief run, s
 _MOMENT = 1e-8
 
 
 def usual_scenes(scene: Scene) -> list[Scene]:
-    """Return a shipped scene with its usual variants: thermal motion with the force from a map.
+    """Return a shipped scene with its usual variants: thermal motion with forces from a map.
 
-    A scene with the thesis's grid also has the variant with the moment (3.25) that `tweezer
-    reproduce` runs, in which the bead turns. Its thermal motion by the map is unscaled.
+    A scene with the thesis's grid also has the variant with the moment (3.25), which `tweezer
+    reproduce` runs and in which the bead rotates. Its thermal motion from the map is unscaled.
     """
     thermal = {"forces": {"brownian": True}, "optics": {"evaluator": "map"}}
     if scene.optics.evaluator != "grid":
@@ -38,7 +38,7 @@ def usual_scenes(scene: Scene) -> list[Scene]:
 
 
 def warm_up(scene: Scene) -> None:
-    """Compile what runs, ensembles, traps and fits of a scene need, unless it is compiled.
+    """Compile what runs, ensembles, traps and fits of a scene need, unless it is compiled already.
 
     A scene that reads its force from a map also gets the map, unless it exists.
     """

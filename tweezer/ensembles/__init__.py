@@ -1,21 +1,22 @@
-"""Many Brownian trajectories of one scene: written to a Zarr store, or their statistics.
+"""Many Brownian trajectories of one scene, written to a Zarr store or summarised as statistics.
 
-Trajectories are computed in blocks, and a block in windows of time. While an ensemble runs, its
-checkpoints are in the folder OUT.part beside the output. For each block begun a checkpoint holds
-the states at the end of its last window (after minutes of work also within a window, with the
-samples so far), and for statistics what that block gathered. The statistics of all blocks joined so
-far are there too. Blocks of Dask workers are joined from these files, so their statistics neither
-pass through the scheduler nor wait in memory. A file is replaced as a whole, after the samples that
-it stands for were written, and names its ensemble: whenever a process dies, the next one reads
-valid files. A window computed again gives the same bytes.
+Trajectories are computed in blocks, and each block in windows of time. While an ensemble runs, its
+checkpoints are in the folder OUT.part beside the output. The checkpoint of a block contains the
+states at the end of its last window and, for statistics, the block's statistics so far. After
+minutes of work a checkpoint is also written within a window, with the samples so far. The folder
+also contains the joined statistics of finished blocks. Blocks of Dask workers are joined from these
+files, so their statistics neither pass through the scheduler nor wait in memory. A checkpoint names
+its ensemble, and replaces the previous one atomically after the samples that it covers are written.
+The next process therefore reads valid files whenever a process dies. A window that is computed
+again gives the same bytes.
 
-The running process holds OUT.lock, and Dask workers continue as long as the file of its run is in
-OUT.part. A marker file in OUT.part names its owner: a folder of that name without the marker, or a
+The running process holds OUT.lock, and Dask workers continue as long as the file of their run is in
+OUT.part. A marker file in OUT.part names its owner. A folder of that name without the marker, or a
 link, is refused, and other files in it are not touched.
 
-All chunks of an array have one size, so that a missing or truncated chunk is found without reading
-it; a resumed ensemble computes its block again. Wrong bytes in a chunk are found by its checksum
-when it is read.
+All chunks of an array have the same size, so a missing or truncated chunk is found without reading
+it, and a resumed ensemble computes its block again. A chunk with wrong bytes is detected by its
+checksum when it is read.
 """
 
 from tweezer.ensembles.ensemble import ensemble

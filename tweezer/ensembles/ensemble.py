@@ -36,13 +36,13 @@ if TYPE_CHECKING:
     from distributed import Client
 
 
-#: Number of blocks that are submitted or computed at a time, for each worker
+#: Number of blocks submitted ahead of the results, for each worker
 _AHEAD = 4
 #: Time between reports of progress, s
 _TICK = 0.2
-#: Time between counts of the workers, s
+#: Time between counts of the workers of a scheduler, s
 _LOOK = 2.0
-#: Largest size of trajectories in memory, bytes
+#: Largest size of trajectories that are returned in memory, bytes
 _MEMORY = 2**31
 
 
@@ -185,10 +185,11 @@ def _run(
     workers: int | None,
     progress: Callable[[float], None] | None,
 ) -> xr.Dataset:
-    """Compute the blocks of an ensemble that are missing, and return the result.
+    """Compute the missing blocks of an ensemble, and return the result.
 
-    Blocks are submitted a few ahead of the workers, and recorded as they end. On Ctrl-C the
-    workers stop, and the result is what is finished. Arguments as of `ensemble`.
+    A few blocks per worker are submitted ahead, and recorded when they end. On Ctrl-C the workers
+    stop, and the result contains the finished blocks. `scheduler`, `workers` and `progress` are the
+    arguments of `ensemble`.
     """
     if scheduler is None:
         opened = threads(job, bound, workers or numba.config.NUMBA_NUM_THREADS)
@@ -199,8 +200,8 @@ def _run(
         queue = deque(output.missing)
         done = 1 - sum(job.share(index) for index in queue)
         flying: dict[Future[Gathered | None], int] = {}
-        #: finished part of each block in flight. Blocks come through the queue `ended`: a look at
-        #: all of them takes longer the more there are
+        #: finished fraction of each block in flight. Finished blocks arrive through the queue
+        #: `ended`, because polling all futures would take longer the more there are
         parts: dict[int, float] = {}
         ended: SimpleQueue[Future[Gathered | None]] = SimpleQueue()
         width, looked = pool.width(), time.monotonic()

@@ -1,4 +1,4 @@
-"""First times at which beads leave a sphere, with those that never do."""
+"""First times at which beads leave a sphere, including beads that never do."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def escape_times(
     lower = 2 * total / chdtri(2 * escapes + 2, 0.025)
     data = CensoredData(uncensored=durations[escaped], right=durations[~escaped])
     survival = ecdf(data).sf
-    with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # of NaN
+    with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # caused by NaN
         limits = survival.confidence_interval(0.95, method="log-log")
     return EscapeTimes(
         durations,
@@ -111,7 +111,8 @@ def escape_times(
 def _constant_rate(durations: Array, escaped: NDArray[np.bool_]) -> float:
     """Return the p-value of a constant escape rate: exponential against Weibull, by a score test.
 
-    durations: (trajectories,) s, to the escape or the end. escaped: (trajectories,) whether it did.
+    `durations` (trajectories,) are the times to the escape or the end of the record, s, and
+    `escaped` (trajectories,) states whether the bead escaped.
     """
     u = durations * escaped.sum() / durations.sum()
     weighted = u * np.log(u)

@@ -24,58 +24,58 @@ from tweezer.values.version import FORMAL, made_by, versions
 
 Attributes = dict[str, Any]
 
-#: Version of the files; those of another version cannot be resumed
+#: Version of the file format; files of another version cannot be resumed
 FORMAT = 6
-#: Trajectories of a block are a multiple of this
+#: Number by which the trajectories of a block are divisible
 _BATCH = 64
 #: Largest number of trajectories in a block
 _MOST = 1024
-#: Smallest number of blocks, if there are enough trajectories, so that all cores work
+#: Smallest number of blocks, which keeps all cores busy, if there are enough trajectories
 _BLOCKS = 16
 #: Largest number of values in memory for one window of a block, 25 MB
 _WINDOW_NUMBERS = 3 * _BATCH * WINDOW
-#: Largest number of steps in a window of a block of more than one batch
+#: Largest number of steps in a window of a block with more than one batch
 _WINDOW_STEPS = 2**27
 
-#: Names of the files of a running ensemble beside its output
+#: Pattern of the files of a running ensemble in the folder beside its output
 _OWN = re.compile(rf"\d+\.npz|total\.npz|[0-9a-f]+\.run|\.saving-[0-9a-f]{{16}}|{NEW}")
 
-#: Name of what the camera of a scene saw
+#: Name of the variable with the positions that the camera recorded
 SEEN = "seen"
 
 
 @dataclass(frozen=True)
 class Job:
-    """Description of an ensemble, from which every worker computes its blocks.
+    """Description of an ensemble, from which every worker can compute its blocks.
 
-    A block is a group of trajectories that one worker computes; a window is a stretch of their
+    A block is a group of trajectories that one worker computes. A window is a group of successive
     samples, after which a checkpoint is written.
     """
 
     scene: str
-    """JSON, with model and method decided"""
+    """JSON of the scene, with model and method resolved"""
     seed: int
-    """of the random numbers"""
+    """seed of the random numbers"""
     trajectories: int
     """number of trajectories"""
     block: int
     """number of trajectories in a block"""
     cuts: tuple[int, ...]
-    """number of the first sample of each window, and of the end"""
+    """number of the first sample of each window, followed by the number of samples"""
     skipped: int | None
-    """first sample of stationary statistics; None if trajectories are written"""
+    """number of the first sample of stationary statistics; None if trajectories are written"""
     out: Path | None
-    """file to write; None if the result is in memory"""
+    """file to write; None to keep the result in memory"""
     found: Attributes
-    """`found_of` in the process that began the ensemble"""
+    """value of `found_of` in the process that began the ensemble"""
 
     @classmethod
     def of(cls, bound: Walk, trajectories: int, skipped: int | None, out: Path | None) -> Job:
-        """Return the job, divided so that a window of a block takes at most 25 MB.
+        """Return the job, divided into blocks and windows.
 
-        bound: equations of motion and times of samples. trajectories: their number. skipped, out:
-        see the fields. A window holds all columns of trajectories, or the position for statistics.
-        A block has more than 64 trajectories only if a window of it is still some seconds' work.
+        A window of a block takes at most 25 MB of memory. A block has more than 64 trajectories
+        only if each of its windows still takes less than some seconds. `bound` contains the
+        equations of motion and the times of samples; `skipped` and `out` are the fields.
         """
         samples = len(bound.times)
         width = bound.shown.width if skipped is None else bound.shown.blocks["position"]
@@ -103,41 +103,41 @@ class Job:
         return -(-self.trajectories // self.block)
 
     def members(self, index: int) -> slice:
-        """Return the numbers of the trajectories of a block, as a slice."""
+        """Return the numbers of the trajectories in a block, as a slice."""
         first = index * self.block
         return slice(first, min(first + self.block, self.trajectories))
 
     def share(self, index: int) -> float:
-        """Return the size of a block as a part of the ensemble."""
+        """Return the fraction of the trajectories that a block contains."""
         members = self.members(index)
         return (members.stop - members.start) / self.trajectories
 
     @property
     def beside(self) -> Part:
-        """Folder beside the output for the checkpoints of a running ensemble."""
+        """Folder beside the output for checkpoints while the ensemble runs."""
         assert self.out is not None
         return Part(self.out, "ensemble", _OWN)
 
     @property
     def part(self) -> Path:
-        """Path of the folder for the checkpoints of a running ensemble."""
+        """Path of the folder for checkpoints while the ensemble runs."""
         return self.beside.folder
 
     def checkpoint(self, index: int) -> Path:
-        """Return the file of the checkpoint of a block."""
+        """Return the path of a block's checkpoint."""
         return self.part / f"{index}.npz"
 
     @property
     def total(self) -> Path:
-        """File of the statistics of the first blocks, which are joined in order."""
+        """Path of the file with the joined statistics of the first blocks."""
         return self.part / "total.npz"
 
 
 def plan_of(bound: Walk, skipped: int) -> Plan:
-    """Return the plan of the statistics to gather: of all quantities that can be averaged.
+    """Return the plan of the statistics, which includes all quantities that can be averaged.
 
-    skipped: number of first samples that only the moments over time include. It is without
-    displacements for the method "one-call": see `tweezer.dynamics.brownian.one_call`.
+    The first `skipped` samples enter only the moments over time. For the method "one-call" the plan
+    omits displacements, because displacements between its steps differ from the motion's.
     """
     shown = bound.shown
     quantities = {name: shown.at(name) for name in shown.blocks if name != "orientation"}
@@ -153,11 +153,11 @@ def plan_of(bound: Walk, skipped: int) -> Plan:
 
 
 def found_of(bound: Walk) -> Attributes:
-    """Return the numbers that every process determines by itself: step, versions, coefficients.
+    """Return the values that every process computes by itself: step, versions, coefficients.
 
-    They must be the same in all processes that work together.
+    They must agree among all processes that work on an ensemble.
     """
-    (*plan, drag), (*edge, _, _) = bound.plan, bound.edge  # addresses are this process's own
+    (*plan, drag), (*edge, _, _) = bound.plan, bound.edge  # excludes addresses of this process
     numbers = (*plan, drag.data.numbers, *edge, *bound.weights)
     coefficients = b"".join(np.asarray(each).tobytes() for each in numbers)
     return {
@@ -169,9 +169,9 @@ def found_of(bound: Walk) -> Attributes:
 
 
 def attributes_of(job: Job, bound: Walk) -> Attributes:
-    """Return the attributes of the result: all that its numbers depend on.
+    """Return the attributes of the result, which contain everything that its numbers depend on.
 
-    The time and machine of the computation are not among them.
+    They exclude the time and machine of the computation.
     """
     others: Attributes = {}
     if own := bound.problem.others:
@@ -200,10 +200,10 @@ def attributes_of(job: Job, bound: Walk) -> Attributes:
 
 
 def identity_of(job: Job, bound: Walk) -> str:
-    """Return a digest of `attributes_of`, by which checkpoints of this ensemble are recognised.
+    """Return a digest of `attributes_of`, by which checkpoints of the ensemble are recognised.
 
-    It leaves out the reasons for a choice, which workers do not know, and the wording of changes
-    to the scene.
+    It excludes the reasons for choices, which workers do not know, and the text of changes to the
+    scene.
     """
     scene = bound.scene.model_dump_json(exclude_none=True, exclude={"changed"})
     attributes = {**attributes_of(job, bound), "chosen": "", "variance_bias": "", "scene": scene}

@@ -1,4 +1,4 @@
-"""Reaching a Dask scheduler, for ensembles and for sweeps."""
+"""Connection to a Dask scheduler, for ensembles and sweeps."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from tweezer.values.errors import SceneError, TweezerError
 if TYPE_CHECKING:
     from distributed import Client
 
-#: Wait for a scheduler, for the first of its workers, and for all to stop, s
+#: Time to wait for a scheduler, for its first worker, and for all workers to stop, s
 PATIENCE = 10
-#: An address of a scheduler
+#: Pattern of the address of a scheduler
 _ADDRESS = re.compile(r"inproc://.+|.+:[0-9]+")
 
 
 @contextlib.contextmanager
 def client_of(scheduler: str | Client) -> Iterator[Client]:
-    """Provide the client of a Dask scheduler, given by its address or by a client.
+    """Provide the client of a Dask scheduler, given by its address or an existing client.
 
-    Raises `SceneError` if the scheduler is not reached or has no workers.
+    Raises `SceneError` if the scheduler cannot be reached or has no workers.
     """
     try:
         from distributed import Client
@@ -52,7 +52,7 @@ def client_of(scheduler: str | Client) -> Iterator[Client]:
 
 
 def _await_workers(client: Client) -> None:
-    """Wait for the first worker of a scheduler; raises `SceneError` if none comes."""
+    """Wait for the first worker of a scheduler; raises `SceneError` after 10 s without one."""
     try:
         client.wait_for_workers(1, timeout=PATIENCE)
     except TimeoutError:

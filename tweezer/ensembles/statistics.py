@@ -1,8 +1,8 @@
 """Running statistics of an ensemble, in memory independent of trajectories and time.
 
-Moments of values x are kept as [n, mean, M2, ...]: their number, their mean, and M_p, the sum of
-(x - mean)^p. Two sets are joined by the formulas of Pebay (Sandia report SAND2008-6212), without
-cancellation. Joined in the same order, they give the same bits.
+The moments of values x are stored as [n, mean, M2, ...]: the number of values, their mean, and the
+sums M_p of (x - mean)^p. The moments of two sets are joined by the formulas of Pebay (Sandia report
+SAND2008-6212), which avoid cancellation. Joining in the same order gives the same bits.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from tweezer.values.arrays import Array
 
 #: Largest number of samples in a window of a spectrum
 WINDOW = 2**14
-#: Largest number of times with moments
+#: Largest number of times at which moments over the trajectories are computed
 _TIMES = 10_000
-#: Number of bins from -loss_distance to +loss_distance; beyond them a bead is lost
+#: Number of histogram bins between -loss_distance and +loss_distance, where beads count as lost
 _BINS = 2**15
-#: Lags of the mean-square displacement per decade
+#: Number of lags of the mean-square displacement per decade
 _LAGS = 10
-#: Numbers processed at a time, so that they fit the cache
+#: Number of values processed at a time, which fit the processor's cache
 _CACHED = 2**16
 
 
 def moments(values: Array, order: int) -> Array:
-    """Return the moments [n, mean, M2, ... M_order] of values (n, ...) over their first axis.
+    """Return the moments [n, mean, M2, ..., M_order] of values (n, ...) over their first axis.
 
-    The result is (order + 1, ...); NaN among the values are left out. See the module for M_p.
+    The result has the shape (order + 1, ...). M_p is the sum of (x - mean)^p, and NaN are excluded.
     """
     whole = np.empty((order + 1, *values.shape[1:]))
     valid = ~np.isnan(values)
@@ -54,9 +54,9 @@ def moments(values: Array, order: int) -> Array:
 
 
 def joined(a: Array, b: Array) -> Array:
-    """Return the `moments` of two sets of values together, from those of each, `a` and `b`.
+    """Return the moments of the union of two sets of values, from the `moments` of each.
 
-    They are of order 2 or 4. The moments of no values are all 0.
+    Moments up to order 2 or 4 are supported. The moments of an empty set are all 0.
     """
     na, nb = a[0], b[0]
     n = np.maximum(na + nb, 1)
@@ -76,45 +76,45 @@ def joined(a: Array, b: Array) -> Array:
 
 
 def error_of_part(part: float, number: int) -> float:
-    """Return the standard error of a measured fraction `part` of `number` beads.
+    """Return the standard error of a fraction `part` measured with `number` beads.
 
-    It is half of E. B. Wilson's interval of one standard deviation, which is above 0 even if the
-    fraction is 0 or 1.
+    It is half the width of E. B. Wilson's interval for one standard deviation, which is above 0
+    even if the fraction is 0 or 1.
     """
     return math.sqrt(part * (1 - part) / number + 1 / (4 * number**2)) / (1 + 1 / number)
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Plan of an ensemble's statistics: what to gather, and from which samples."""
+    """Plan of an ensemble's statistics: which quantities to average, over which samples."""
 
     times: Array
-    """(samples,) s, evenly spaced"""
+    """(samples,) times of the samples, s, evenly spaced"""
     quantities: dict[str, slice]
-    """columns of a sample by name: "position" and, where there are any, "velocity" and
+    """columns of a sample by quantity: "position" and, if the model has them, "velocity" and
     "angular_velocity" """
     skipped: int
-    """number of first samples that only the moments over time include"""
+    """number of first samples that enter only the moments over time"""
     reach: float
     """half the width of the histogram, m"""
     origin: tuple[float, ...]
-    """origin of averages near the beads, m, so that squares keep digits"""
+    """reference point near the beads, m, subtracted before squaring to avoid cancellation"""
     displacements: bool
-    """whether displacements between samples are those of the motion; if not, no msd and psd"""
+    """whether displacements between samples are physical; otherwise msd and psd are omitted"""
 
     @property
     def window(self) -> int:
-        """Number of samples in a window of spectra and mean-square displacements.
+        """Number of samples in a window for spectra and mean-square displacements.
 
-        The samples after `skipped` are divided into equal windows of at most WINDOW, rounded down
-        to a length for which Fourier transforms are fast.
+        The samples after `skipped` are divided into equal windows of at most 2^14 samples. The
+        length is rounded down to one for which Fourier transforms are fast.
         """
         left = len(self.times) - self.skipped
         return int(prev_fast_len(left // math.ceil(left / WINDOW), real=True))
 
     @property
     def cuts(self) -> list[int]:
-        """Number of the first sample of each window, and after the last the number of samples."""
+        """Number of the first sample of each window, followed by the number of all samples."""
         end = len(self.times)
         before = range(0, self.skipped, WINDOW)
         within = range(self.skipped, end - self.window + 1, self.window)
@@ -122,14 +122,14 @@ class Plan:
 
     @property
     def every(self) -> int:
-        """Number of samples from one with moments to the next: every such sample has them."""
+        """Interval, in samples, between samples at which moments over trajectories are computed."""
         return math.ceil(len(self.times) / _TIMES)
 
     @property
     def lags(self) -> NDArray[np.int64]:
-        """Lags of the mean-square displacement, in samples, even in the logarithm.
+        """Lags of the mean-square displacement, in samples, evenly spaced in the logarithm.
 
-        They go up to half a window.
+        They extend to half a window.
         """
         most = self.window // 2
         number = 1 + math.ceil(_LAGS * math.log10(most)) if most > 1 else 1
@@ -137,23 +137,24 @@ class Plan:
 
 
 class Statistics:
-    """The statistics of some trajectories, gathered block by block.
+    """Statistics of some of the trajectories, accumulated block by block.
 
-    A block is a group of trajectories, a window a stretch of their samples. `moments` holds arrays
-    of `moments`, and `sums` those that add up: histogram counts and numbers of samples lost, say.
+    A block is a group of trajectories, a window a group of successive samples. `moments` contains
+    arrays as returned by the function `moments`, and `sums` contains quantities that are added,
+    such as histogram counts and numbers of samples lost.
     """
 
     def __init__(self, plan: Plan) -> None:
-        """Begin with no trajectories: all arrays are zero."""
+        """Start without trajectories, with all arrays zero."""
         self.plan = plan
         kept, lags = -(-len(plan.times) // plan.every), len(plan.lags)
-        # arrays of `moments` to order 4, (5, times, columns), and to order 2, (3, axes, numbers)
+        # moments to order 4, (5, times, columns), and to order 2, (3, axes, numbers)
         self.moments = {
             name: np.zeros((5, kept, columns.stop - columns.start))
             for name, columns in plan.quantities.items()
         }
         self.moments |= {
-            # over windows, for each axis: the window's averages u of x and v of x^2, and u v
+            # over windows, for each axis: the window averages u of x and v of x^2, and u v
             "average": np.zeros((3, 3, 3)),
         }
         if plan.displacements:
@@ -161,7 +162,7 @@ class Statistics:
             self.moments["psd"] = np.zeros((3, 3, plan.window // 2))
         self.sums = {
             "counts": np.zeros((_BINS, 3)),
-            # over blocks: counts squared, counts times samples, samples squared
+            # over blocks: squares of counts, products of counts and samples, squares of samples
             "counts_squared": np.zeros((_BINS, 3)),
             "counts_samples": np.zeros((_BINS, 3)),
             "samples_squared": np.zeros(1),
@@ -174,12 +175,12 @@ class Statistics:
         }
 
     def arrays(self) -> dict[str, Array]:
-        """Return all arrays of the statistics by name, to store them."""
+        """Return all arrays by name, for a checkpoint."""
         return self.moments | self.sums
 
     @classmethod
     def of(cls, plan: Plan, arrays: Mapping[str, Array]) -> Self:
-        """Return the statistics whose arrays `Statistics.arrays` returned before."""
+        """Return the statistics from the arrays that `arrays` returned."""
         made = cls(plan)
         for group in (made.moments, made.sums):
             group.update((name, arrays[name]) for name in group)
@@ -188,8 +189,8 @@ class Statistics:
     def add_piece(self, first: int, samples: Array) -> None:
         """Add samples (trajectories, samples, columns) to the moments over the trajectories.
 
-        first: number of the first of these samples. All samples added to one `Statistics` must be
-        of the same trajectories, each added once.
+        `first` is the number of the first of these samples. A `Statistics` is given each sample of
+        its trajectories once, until its block is closed.
         """
         every = self.plan.every
         kept, samples = -(-first // every), samples[:, -first % every :: every]
@@ -206,7 +207,8 @@ class Statistics:
     def add_window(self, first: int, position: Array) -> None:
         """Add a window to all statistics over time: histogram, averages, displacements, spectrum.
 
-        position: (trajectories, samples, 3) m, NaN after a loss. first: number of its first sample.
+        `position` is (trajectories, samples, 3), m, NaN after a loss, and `first` is the number of
+        its first sample.
         """
         plan = self.plan
         lost = np.isnan(position[..., 0])
@@ -230,7 +232,7 @@ class Statistics:
         self.sums["samples"] += len(position)
 
     def _add_windows(self, position: Array) -> None:
-        """Add windows of positions without a loss, (n, samples of a window, 3) m."""
+        """Add windows of positions without a loss, (n, samples of a window, 3), m."""
         step = self.plan.times[1] - self.plan.times[0]
         together = max(1, _CACHED // position[0].size)
         for i in range(0, len(position), together):
@@ -245,9 +247,9 @@ class Statistics:
                 self.moments[name] = joined(self.moments[name], moments(values, 2))
 
     def close(self, lost_time: Array) -> None:
-        """End a block, of which all windows have been added, by filling in the sums over blocks.
+        """Complete a block, after all its windows were added, by computing the sums over blocks.
 
-        lost_time: (trajectories,) s, infinite for a bead that was not lost.
+        `lost_time` (trajectories,) is in s, and infinite for a bead that was not lost.
         """
         sums = self.sums
         sums["counts_squared"] = sums["counts"] ** 2
@@ -258,7 +260,7 @@ class Statistics:
         sums["trajectories_lost"] += np.isfinite(lost_time).sum()
 
     def join(self, other: Statistics) -> Statistics:
-        """Return the statistics of the trajectories of both; all of their blocks are closed."""
+        """Return the statistics of the trajectories of both, whose blocks must all be closed."""
         moments = {name: joined(self.moments[name], other.moments[name]) for name in self.moments}
         sums = {name: self.sums[name] + other.sums[name] for name in self.sums}
         return Statistics.of(self.plan, moments | sums)
@@ -301,9 +303,9 @@ class Statistics:
     def _put_moments(
         self, dataset: xr.Dataset, name: str, dimensions: tuple[str, str], unit: str
     ) -> None:
-        """Enter mean, variance, skewness and excess kurtosis of a quantity over the trajectories.
+        """Add mean, variance, skewness and excess kurtosis over the trajectories to a dataset.
 
-        name, unit: of the quantity. dimensions: of each of these arrays.
+        `name` and `unit` describe the quantity, and `dimensions` are those of each array.
         """
         count, mean, m2, m3, m4 = self.moments[name]
         count, mean = np.where(count > 0, [count, mean], np.nan)
@@ -324,10 +326,11 @@ class Statistics:
         )  # fmt: skip
 
     def _put_averages(self, dataset: xr.Dataset) -> None:
-        """Enter mean and variance of the position over all samples of the windows.
+        """Add mean and variance of the position over all samples of the windows to a dataset.
 
-        Errors are from the scatter of the windows. u, v, uv: means over windows of the window's
-        average of x, of x^2, and of their product; u2, v2: sums of squared deviations of u, v.
+        Errors follow from the scatter among windows. In the code, u and v are window averages of x
+        and x^2, averaged over windows like their product uv; u2 and v2 are the sums of squared
+        deviations of u and v.
         """
         count, (u, v, uv), (u2, v2, _) = self.moments["average"].swapaxes(1, 2)
         n = count[0]
@@ -343,7 +346,7 @@ class Statistics:
              "variance of the position over trajectories and time", "windows")  # fmt: skip
 
     def _put_displacements(self, dataset: xr.Dataset) -> None:
-        """Enter mean-square displacement and spectrum, with errors from the scatter of windows."""
+        """Add mean-square displacement and spectrum, with errors from the scatter of windows."""
         plan = self.plan
         step = plan.times[1] - plan.times[0]
         frequency = np.fft.rfftfreq(plan.window, step)[1:]
@@ -358,10 +361,10 @@ class Statistics:
             _put(dataset, name, ("axis", dimension), mean, error, unit, long_name, "windows")
 
     def _put_histogram(self, dataset: xr.Dataset) -> None:
-        """Enter counts and density of the position by bins, from the first to the last in use.
+        """Add counts and density of the position to a dataset, over the range of bins in use.
 
-        The error is the one of a ratio, counts over samples, from the scatter of the blocks
-        (Cochran, Sampling Techniques, 2.11).
+        The error of the ratio of counts to samples follows from the scatter among blocks (Cochran,
+        Sampling Techniques, 2.11).
         """
         sums, width = self.sums, 2 * self.plan.reach / _BINS
         filled = np.flatnonzero(sums["counts"].any(axis=1))
@@ -382,10 +385,10 @@ class Statistics:
 
 
 def _msd(position: Array, lags: NDArray[np.int64]) -> Array:
-    """Return the mean-square displacement, (..., lags) m^2, in windows of positions (..., samples).
+    """Return the mean-square displacement (..., lags), m^2, in windows of positions (..., samples).
 
-    lags: in samples. The mean is over displacements that begin half a lag apart; more of them
-    would overlap and add little.
+    `lags` are in samples. Displacements begin half a lag apart, because more of them would overlap
+    and add little information.
     """
     displaced = np.empty((*position.shape[:-1], len(lags)))
     for j, lag in enumerate(lags):
@@ -396,9 +399,10 @@ def _msd(position: Array, lags: NDArray[np.int64]) -> Array:
 
 
 def _psd(position: Array, step: float) -> Array:
-    """Return the one-sided power spectral density of windows of mean 0, m^2/Hz.
+    """Return the one-sided power spectral density, m^2/Hz, at the frequencies above 0.
 
-    position: (..., samples) m; step: between samples, s. The result is (..., frequencies above 0).
+    `position` (..., samples), m, contains windows with the mean 0, and `step` is the sampling
+    interval, s.
     """
     samples = position.shape[-1]
     amplitude = np.fft.rfft(position)[..., 1:]
@@ -406,7 +410,7 @@ def _psd(position: Array, step: float) -> Array:
     power += np.square(amplitude.imag)
     power *= 2 * step / samples
     if samples % 2 == 0:
-        power[..., -1] /= 2  # Nyquist's frequency is its own negative
+        power[..., -1] /= 2  # the Nyquist frequency has no separate negative frequency
     return power
 
 
@@ -414,9 +418,9 @@ def _put(
     dataset: xr.Dataset, name: str, dimensions: tuple[str, ...], value: Array, error: Array,
     unit: str, long_name: str, over: str,
 ) -> None:  # fmt: skip
-    """Enter a quantity `name` and its standard error, `name`_error, in a dataset.
+    """Add a quantity `name` and its standard error, `name`_error, to a dataset.
 
-    over: the independent parts from whose scatter the error is, such as "windows".
+    `over` names the independent parts whose scatter gives the error, such as "windows".
     """
     dataset[name] = (dimensions, value, _about(unit, long_name))
     dataset[name].attrs["ancillary_variables"] = f"{name}_error"

@@ -40,26 +40,26 @@ from tweezer.values.files import write_whole
 from tweezer.values.stores import checksum, checksums, description_of_store, open_written, seal
 from tweezer.values.version import FORMAL
 
-#: Arrays of trajectories by name, in memory or in the store
+#: Arrays of trajectories by name, in memory or in a Zarr store
 Samples = Mapping[str, Any]
 #: Statistics of a block by name; empty if trajectories are written
 Gathered = Mapping[str, NDArray[np.float64]]
 
 #: Size of the checksum at the end of a chunk, bytes
 _CHECKSUM = 4
-#: Number of blocks joined between two writes of the statistics
+#: Number of blocks joined between two saves of the statistics
 _JOINED = 16
-#: Errors of reading a file that is damaged or of another kind
+#: Errors when reading a file that is damaged or of another kind
 _UNREADABLE = (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile)
 #: Names of files that an interrupted write of Zarr leaves in the store
 _TORN = re.compile(r"\d+\.[0-9a-f]+\.partial")
 
 
 def _begun(job: Job, bound: Walk, resume: bool) -> bool:
-    """Return whether an ensemble at `job.out` was begun before.
+    """Return whether an ensemble at `job.out` was begun earlier.
 
-    Raises `ResultError` if there is one that `resume` does not allow to continue, or of another
-    scene or other settings.
+    Raises `ResultError` if it was and `resume` is not set, or if it has another scene or other
+    settings.
     """
     made = _made(job)
     if made is None:
@@ -69,7 +69,7 @@ def _begun(job: Job, bound: Walk, resume: bool) -> bool:
             f"{job.out}: already exists or is unfinished; resume it or choose another file"
         )
     for key, value in attributes_of(job, bound).items():
-        if key in FORMAL:  # the scene has the same in numbers
+        if key in FORMAL:  # the scene contains the same as numbers
             continue
         if key == "scene":
             if not _same_scene(made.get(key), value):
@@ -95,7 +95,7 @@ def _same_scene(made: object, scene: str) -> bool:
 
 
 def _made(job: Job) -> Attributes | None:
-    """Return the attributes of an ensemble that was begun at `job.out`; None if there is none.
+    """Return the attributes of an ensemble begun earlier at `job.out`; None without one.
 
     Raises `ResultError` for a file of another kind, or a damaged one.
     """
@@ -109,7 +109,7 @@ def _made(job: Job) -> Attributes | None:
             return dict(json.loads(str(_read(job.total)["attributes"])))
     except ResultError:
         raise
-    except Exception as error:  # Zarr raises of any kind where a file is damaged
+    except Exception as error:  # Zarr raises errors of any type for a damaged file
         reason = " ".join(str(error).split())
         raise ResultError(f"{job.out}: not an ensemble: {reason}") from None
     return None
@@ -117,16 +117,16 @@ def _made(job: Job) -> Attributes | None:
 
 @contextlib.contextmanager
 def at_work(job: Job, bound: Walk, resume: bool) -> Iterator[None]:
-    """Lock the folder beside the output while an ensemble is computed, so that no other uses it.
+    """Lock the folder beside the output during the computation, so that no other process uses it.
 
-    Raises `ResultError` if one does, or if an ensemble at `job.out` is not to be resumed.
+    Raises `ResultError` if it is locked, or if an ensemble at `job.out` must not be resumed.
     """
     assert job.out is not None
     with held(job.out):
         begun = _begun(job, bound, resume)
         with telling(job.out):
             job.beside.make()
-            for path in job.beside.files():  # of a deleted ensemble, or its workers
+            for path in job.beside.files():  # left by a deleted ensemble or its workers
                 if not begun or path.suffix != ".npz":
                     remove(path)
         try:
@@ -136,7 +136,7 @@ def at_work(job: Job, bound: Walk, resume: bool) -> Iterator[None]:
 
 
 def keep(path: Path, arrays: Mapping[str, Any]) -> None:
-    """Write arrays to an npz file, as a whole or not at all."""
+    """Write arrays to an npz file atomically."""
     content = BytesIO()
     np.savez(content, **arrays)
     write_whole(path, content)
@@ -149,10 +149,10 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def kept(job: Job, index: int, identity: str) -> dict[str, Any] | None:
-    """Return the arrays of a block's checkpoint by name.
+    """Return the arrays of the checkpoint of block `index`, by name.
 
-    index: number of the block. identity: digest of the ensemble. The result is None if the
-    checkpoint is missing or damaged, or belongs to another block or ensemble.
+    Returns None if the checkpoint is missing or damaged, or if it belongs to another block or to an
+    ensemble whose digest is not `identity`.
     """
     try:
         arrays = _read(job.checkpoint(index))
@@ -163,9 +163,9 @@ def kept(job: Job, index: int, identity: str) -> dict[str, Any] | None:
 
 
 def stored(job: Job) -> Samples:
-    """Return the arrays of the Zarr store by name, opened to write.
+    """Open the arrays of the Zarr store for writing, by name.
 
-    Empty chunks are written too, so that a missing chunk is an error.
+    Empty chunks are written too, so a missing chunk is an error.
     """
     return {
         name: array.with_config({"write_empty_chunks": True})
@@ -174,40 +174,40 @@ def stored(job: Job) -> Samples:
 
 
 def chunk_of(arrays: Samples, name: str, *at: int) -> str:
-    """Return the name of the file of an array's chunk in the store; at: indices of the chunk."""
+    """Return the file name of an array's chunk in the store, with the chunk indices `at`."""
     return f"{name}/{arrays[name].metadata.encode_chunk_key(at)}"
 
 
 def sums_of(begun: Mapping[str, Any] | None) -> dict[str, str]:
-    """Return the checksums of the chunks that a block wrote before its checkpoint, by their names.
+    """Return the checksums, by file name, of the chunks written before the checkpoint `begun`.
 
-    Chunks that are written to again are not among them.
+    Chunks that are written to again later are excluded.
     """
     return dict(json.loads(str(begun["sums"]))) if begun and "sums" in begun else {}
 
 
 def _described(arrays: Samples) -> dict[str, str]:
-    """Return the metadata of arrays by name, to compare two copies of them.
+    """Return the metadata of arrays by name, to compare the two copies that Zarr stores.
 
-    Zarr keeps them for each array in its own file, and for all in the file of the store.
+    One copy is in the array's own file, the other in the file of the store.
     """
     return {name: str(array.metadata.to_dict()) for name, array in arrays.items()}
 
 
 class Trajectories:
-    """Output of an ensemble that keeps its trajectories, in memory or in a Zarr store.
+    """Output of an ensemble that stores its trajectories, in memory or in a Zarr store.
 
-    `missing` lists the numbers of the blocks that are to be computed, `left` those not done yet.
+    `missing` lists the numbers of the blocks to compute, and `left` contains those not yet done.
     """
 
     waiting = 0
-    """number of finished blocks that wait for earlier ones"""
+    """number of finished blocks waiting for earlier ones; always 0 here, unlike `Joined.waiting`"""
 
     def __init__(self, job: Job, bound: Walk) -> None:
-        """Create the arrays or the store, or open a store that was begun and find what it lacks."""
+        """Create the arrays or the store, or open an existing store and find its missing blocks."""
         self.job, self.bound = job, bound
         self.missing = list(range(job.blocks))
-        #: checksums of chunks that were written before, by their names
+        #: checksums of chunks written by an earlier process, by file name
         self.sums: dict[str, str] = {}
         if job.out is None:
             self.arrays: Samples = {
@@ -226,14 +226,14 @@ class Trajectories:
         self.left = set(self.missing)
 
     def take(self, index: int, gathered: Gathered | None) -> None:
-        """Record a finished block, which its worker has written; `None` means it was stopped."""
+        """Record a block whose worker has written it; `gathered` is None if it was stopped."""
         if gathered is not None:
             self.left.discard(index)
 
     def finish(self, complete: bool) -> xr.Dataset:
-        """Return the result so far; if it is complete, seal the store and remove its folder.
+        """Return the result so far.
 
-        The folder beside the store has the checkpoints.
+        If it is complete, write the checksums of the store and remove the folder of checkpoints.
         """
         job = self.job
         if job.out is None:
@@ -260,14 +260,14 @@ class Trajectories:
         return _ended(dataset, complete, done)
 
     def _seal(self, out: Path) -> None:
-        """Write the checksums of all chunks, which the blocks noted when they wrote them."""
+        """Write the checksums of all chunks, which the blocks recorded when they wrote them."""
         sums = checksums(out) | self.sums
         for index in range(self.job.blocks):
             sums |= sums_of(kept(self.job, index, identity_of(self.job, self.bound)))
         seal(out, sums)
 
     def _open(self) -> None:
-        """Open the arrays of the store. Raises `ResultError` if they are not those of the job."""
+        """Open the arrays of the store; raises `ResultError` if they do not match the job."""
         damaged = f"{self.job.out}: damaged: its arrays are not those that were written"
         try:
             self.arrays = stored(self.job)
@@ -288,15 +288,16 @@ class Trajectories:
                     for name, (_, values, _) in self._coordinates().items()
                 )
             )
-        except Exception as error:  # Zarr raises of any kind where a file is damaged
+        except Exception as error:  # Zarr raises errors of any type for a damaged file
             raise ResultError(f"{damaged}: {' '.join(str(error).split())}") from None
         if not as_written:
             raise ResultError(damaged)
 
     def _found(self, index: int) -> bool:
-        """Return whether a block is in the store, by the sizes and checksums of its files.
+        """Return whether a block is complete in the store, by the sizes and checksums of its files.
 
-        If it is not, it continues from its checkpoint, provided all chunks before that are there.
+        A block that is not continues from its checkpoint, if all chunks before it are present.
+        Otherwise it is computed again.
         """
         job, names = self.job, self.bound.shown.blocks
         windows = range(len(job.cuts) - 1)
@@ -316,7 +317,7 @@ class Trajectories:
         return False
 
     def _filmed(self, index: int, window: int) -> bool:
-        """Return whether the chunks of camera frames that end in a window of a block are whole."""
+        """Return whether the chunks of camera frames that end in a window of a block are intact."""
         if SEEN not in self.arrays:
             return True
         first, end = self.job.cuts[window : window + 2]
@@ -324,7 +325,7 @@ class Trajectories:
         length = self.arrays[SEEN].chunks[1]
         found = True
         for chunk in range(ended[0] // length, -(-ended[1] // length)):
-            if not self._whole(SEEN, index, chunk, 0):  # one that is torn cannot be added to
+            if not self._whole(SEEN, index, chunk, 0):  # a damaged chunk cannot be extended
                 self._chunk(SEEN, index, chunk, 0).unlink(missing_ok=True)
                 found = False
         return found
@@ -335,7 +336,7 @@ class Trajectories:
         return self.job.out / chunk_of(self.arrays, name, *at)
 
     def _whole(self, name: str, *at: int) -> bool:
-        """Return whether the file of a chunk has the size of its numbers and its checksum."""
+        """Return whether the file of a chunk has the expected size and checksum."""
         size = 8 * math.prod(self.arrays[name].chunks) + _CHECKSUM
         noted = self.sums.get(chunk_of(self.arrays, name, *at))
         path = self._chunk(name, *at)
@@ -382,9 +383,9 @@ class Trajectories:
         return found
 
     def _chunks(self, name: str, shape: tuple[int, ...]) -> tuple[int, ...]:
-        """Return the shape of the chunks of an array: a window of time of a block of trajectories.
+        """Return the shape of the chunks of an array: a window of samples of a block.
 
-        A chunk of frames has as many as end in a window on average.
+        A chunk of camera frames has the average number of frames that end in a window.
         """
         window = self.job.cuts[1]
         if name == SEEN:
@@ -392,7 +393,7 @@ class Trajectories:
         return tuple(map(min, shape, (self.job.block, window, shape[-1])))
 
     def _create(self, out: Path) -> None:
-        """Create the Zarr store, without samples; raise `ResultError` if the disk is too full."""
+        """Create the Zarr store without samples; raises `ResultError` if the disk is too full."""
         taken = sum(8 * math.prod(shape) for _, _, shape, _ in self._variables())
         free = shutil.disk_usage(out.parent).free
         if taken > free:
@@ -416,29 +417,29 @@ class Trajectories:
                 compressors=[ZstdCodec(), Crc32cCodec()], config={"write_empty_chunks": True},
             )  # fmt: skip
             array[:] = values
-        with warnings.catch_warnings(action="ignore"):  # not yet in Zarr's specification
+        with warnings.catch_warnings(action="ignore"):  # not yet in the specification of Zarr
             zarr.consolidate_metadata(whole)
         seal(whole)
         whole.replace(out)
 
 
 class Joined:
-    """Output of an ensemble that gathers statistics, joined block by block in order.
+    """Output of an ensemble that stores statistics, joined block by block in order.
 
-    The order makes the result independent of the order in which workers finish.
+    Because of the fixed order, the result does not depend on the order in which workers finish.
     """
 
     arrays = None
-    """no trajectories are kept, unlike `Trajectories.arrays`"""
+    """None, because no trajectories are stored; corresponds to `Trajectories.arrays`"""
 
     def __init__(self, job: Job, bound: Walk) -> None:
-        """Begin with no blocks, or with those that an interrupted ensemble joined and saved."""
+        """Start without blocks, or with the joined blocks that an interrupted ensemble saved."""
         self.job, self.attributes = job, attributes_of(job, bound)
         self.identity = identity_of(job, bound)
         self.plan = plan_of(bound, job.skipped or 0)
-        #: number of joined blocks, and their statistics: one object, so that both change at once
+        #: number of joined blocks and their statistics, in one object so that both change together
         self.joined = 0, Statistics(self.plan)
-        #: finished blocks not yet joined; empty entries are read from the file of the block
+        #: finished blocks not yet joined; empty entries are read from the checkpoint of the block
         self.later: dict[int, Gathered] = {}
         self.written = 0
         if job.out is not None:
@@ -455,14 +456,14 @@ class Joined:
 
     @property
     def waiting(self) -> int:
-        """Number of finished blocks that wait for earlier ones."""
+        """Number of finished blocks waiting for earlier ones."""
         return len(self.later)
 
     def take(self, index: int, gathered: Gathered | None) -> None:
-        """Record a finished block, and join all blocks up to the first that is missing.
+        """Record a finished block, and join all blocks before the first missing one.
 
-        index: number of the block; gathered: its statistics, empty if they are in its file, or None
-        if the worker was stopped. A block may be recorded twice.
+        `gathered` contains the statistics of block `index`. It is empty if they are in its
+        checkpoint, and None if the worker was stopped. A block may be recorded twice.
         """
         if gathered is None or index < self.joined[0]:
             return
@@ -477,7 +478,7 @@ class Joined:
                 self._write()
 
     def _of(self, index: int) -> Statistics:
-        """Return the statistics of a finished block that waits, from memory or from its file."""
+        """Return the statistics of a waiting block, from memory or from its checkpoint."""
         gathered = self.later[index] or kept(self.job, index, self.identity)
         if gathered is None or not gathered["blocks"]:
             raise ResultError(
@@ -486,7 +487,7 @@ class Joined:
         return Statistics.of(self.plan, gathered)
 
     def _write(self) -> None:
-        """Write the joined statistics; then remove the files that they were joined from."""
+        """Write the joined statistics, then remove the checkpoints that they replace."""
         blocks, statistics = self.joined
         attributes = json.dumps(self.attributes)
         keep(self.job.total, statistics.arrays() | {"next": blocks, "attributes": attributes})
@@ -495,9 +496,9 @@ class Joined:
         self.written = blocks
 
     def finish(self, complete: bool) -> xr.Dataset:
-        """Return the statistics of all finished blocks, also of those that wait for earlier ones.
+        """Return the statistics of all finished blocks, including waiting ones.
 
-        They are written to `job.out` if they are complete.
+        Complete statistics are written to `job.out`.
         """
         job = self.job
         if job.out is not None and job.out.exists():
@@ -519,7 +520,7 @@ class Joined:
 
 
 def _ended(dataset: xr.Dataset, complete: bool, done: int) -> xr.Dataset:
-    """Return a result with its status; done: number of finished trajectories."""
+    """Return a result with its status and the number of finished trajectories, `done`."""
     return dataset.assign_attrs(
         status="complete" if complete else "interrupted", trajectories_done=done
     )

@@ -1,4 +1,4 @@
-"""What a sweep varies: keys of a scene, on a grid or case by case."""
+"""Variation of a scene's keys in a sweep, on a grid or case by case."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-#: A value of a key, in SI, as the result has it
+#: Value of a key in SI units, as the result contains it
 Value = float | int | bool | str
 
 #: Largest number of cases
 _MOST = 10**6
 #: Name of the dimension of a table of cases
 CASE = "case"
-#: Keys of a beam that change the light by a factor alone
+#: Keys of a beam that change the light only by a factor
 _POWERS = ("power", "power_through_pupil")
 
 _RANGE = re.compile(r"(?P<low>.+?)\.\.(?P<high>[^:]+):(?P<count>[0-9]+)(?::(?P<spacing>log))?")
 
 
 class Varied(NamedTuple):
-    """A key of a scene that a sweep varies, and its values."""
+    """A key of a scene that a sweep varies, with its values."""
 
     key: str
     """section and name, as in `bead.diameter`"""
@@ -54,9 +54,9 @@ class Axis(NamedTuple):
     """A dimension of the result: one key, or the keys of a table, which vary together."""
 
     name: str
-    """of the dimension: the key, or `CASE` for a table"""
+    """name of the dimension: the key, or "case" for a table"""
     varied: tuple[Varied, ...]
-    """the keys along this dimension, with equally many values"""
+    """the keys along this dimension, with equal numbers of values"""
 
     @property
     def size(self) -> int:
@@ -69,7 +69,7 @@ class Cases:
     """The cases of a sweep: every combination of the entries of its axes."""
 
     axes: tuple[Axis, ...]
-    """dimensions of the result, of which all entries are combined"""
+    """dimensions of the result"""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -82,9 +82,9 @@ class Cases:
         return math.prod(self.shape)
 
     def settings(self, index: int) -> dict[str, str]:
-        """Return keys and values of a case, in the form for `tweezer.scene.with_settings`.
+        """Return the keys and values of a case, as arguments for `tweezer.scene.with_settings`.
 
-        index: number of the case, which counts all combinations.
+        `index` is the number of the case among all combinations.
         """
         places = np.unravel_index(index, self.shape)
         return {
@@ -94,7 +94,7 @@ class Cases:
         }
 
     def by_light(self) -> list[list[int]]:
-        """Return the numbers of the cases in groups that differ in the power of light alone."""
+        """Return the numbers of the cases, in groups that differ only in the power of the light."""
         numbers = np.arange(self.count).reshape(self.shape)
         powers = [
             i for i, axis in enumerate(self.axes) if all(map(_is_a_power, axis.varied))
@@ -119,7 +119,7 @@ def _is_a_power(each: Varied) -> bool:
 
 
 def _as_setting(value: Value) -> str:
-    """Return a value as text that `tweezer.scene.with_settings` reads as the same value."""
+    """Return a value as text that `tweezer.scene.with_settings` converts back to the same value."""
     return value if isinstance(value, str) else repr(value)
 
 
@@ -127,10 +127,10 @@ def cases_of(
     over: Mapping[str, Any] | pd.DataFrame | xr.Dataset | None,
     table: str | Path | Mapping[str, Any] | pd.DataFrame | xr.Dataset | None,
 ) -> Cases:
-    """Return the cases of a sweep, of which every combination is computed.
+    """Return the cases of a sweep: every combination of keys in `over` and rows of `table`.
 
-    over: keys with their values; table: keys that vary together, row by row. Raises `SceneError`
-    for keys that no scene has, and values that are none.
+    `over` contains keys with their values, and `table` has keys that vary together, row by row.
+    Raises `SceneError` for keys that no scene has, and for invalid values.
     """
     if hasattr(over, "columns") or hasattr(over, "data_vars"):
         if table is not None:
@@ -159,8 +159,8 @@ def cases_of(
 def read_over(texts: Iterable[str]) -> dict[str, list[Any]]:
     """Return keys and their values from texts such as "KEY=FROM..TO:COUNT" or "KEY=a,b,c".
 
-    A range contains both its ends; "KEY=FROM..TO:COUNT:log" has equal ratios of neighbours. Raises
-    `SceneError` for other texts.
+    A range includes both ends. With ":log" at the end, neighbouring values have equal ratios.
+    Raises `SceneError` for other texts.
     """
     over: dict[str, list[Any]] = {}
     for text in texts:
@@ -178,7 +178,8 @@ def read_over(texts: Iterable[str]) -> dict[str, list[Any]]:
 def _range(key: str, text: str) -> list[Any]:
     """Return the values of a range "FROM..TO:COUNT" or "FROM..TO:COUNT:log" of a key.
 
-    They are texts with the key's unit if the ends have one. Raises `SceneError` for other texts.
+    If the ends have a unit, values are texts with the key's unit. Raises `SceneError` for other
+    texts.
     """
     match = _RANGE.fullmatch(text)
     if len(_split(text)) > 1:
@@ -217,7 +218,7 @@ def _bare(text: str) -> bool:
 
 
 def _number(key: str, text: str, quantity: Quantity | None) -> float:
-    """Return an end of a range in SI; quantity: of the key, None without one.
+    """Return one end of a range in SI units; `quantity` describes the key, None without a unit.
 
     Raises `SceneError` if it is not a number.
     """
@@ -231,7 +232,7 @@ def _number(key: str, text: str, quantity: Quantity | None) -> float:
 
 
 def _split(text: str) -> list[str]:
-    """Return the values of a list with commas; commas within brackets belong to a value."""
+    """Split a list at its commas, except those within brackets, which belong to a value."""
     values, depth = [""], 0
     for letter in text:
         depth += (letter in "[{") - (letter in "]}")
@@ -243,9 +244,9 @@ def _split(text: str) -> list[str]:
 
 
 def _varied(key: Any, given: Any) -> Varied:
-    """Return a key with its given values in SI; raises `SceneError` for invalid ones.
+    """Return a key with its values in SI units; raises `SceneError` for invalid values.
 
-    Values of several kinds become texts, as an array has one type.
+    Values of different types become texts, because an array has one type.
     """
     quantity, about = described_at(str(key))
     given = listed(given)
@@ -275,7 +276,7 @@ def _varied(key: Any, given: Any) -> Varied:
 
 
 def _apart(varied: Varied) -> Varied:
-    """Return the key and its values unchanged; raises `SceneError` if a value occurs twice."""
+    """Return a key and its values unchanged; raises `SceneError` if a value occurs twice."""
     seen: set[Value] = set()
     for value in varied.values:
         if value in seen:
@@ -285,12 +286,12 @@ def _apart(varied: Varied) -> Varied:
 
 
 def _in_si(given: Any, quantity: Quantity | None) -> Value:
-    """Return a given value in SI, as the result of the sweep has it.
+    """Return a value in SI units, as the result of the sweep contains it.
 
-    quantity: of the key, None for one without a unit. Raises `ValueError` for an invalid value.
+    `quantity` describes the key, None without a unit. Raises `ValueError` for an invalid value.
     """
     if isinstance(given, str) and given.startswith(("{", "[") if quantity is None else "{"):
-        return given  # it is read where the scene is
+        return given  # the scene parses it
     if isinstance(given, str):
         try:
             given = tomllib.loads(f"value = {given}")["value"]
@@ -307,7 +308,7 @@ def _in_si(given: Any, quantity: Quantity | None) -> Value:
 
 
 def _vector_in_si(given: Sequence[Any], quantity: Quantity) -> list[Any]:
-    """Return a vector, or a list of vectors, in SI; raises `ValueError` for an invalid entry."""
+    """Return a vector, or a list of vectors, in SI units; raises `ValueError` if it is invalid."""
     return [
         _vector_in_si(each, quantity)
         if isinstance(each, list | tuple)

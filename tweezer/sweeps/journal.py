@@ -1,4 +1,4 @@
-"""The journal of a running sweep."""
+"""Journal of a running sweep, from which it can be resumed."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tweezer.values.version import FORMAL
 _JOURNAL = "journal.jsonl"
 #: Names of the files of a running sweep in its folder
 _OWN = re.compile(rf"{re.escape(_JOURNAL)}|{NEW}")
-#: How a journal begins, or what a full disk has left of that: a checksum and a mapping
+#: Beginning of a journal (a checksum and a mapping), or the part of it that fits on a full disk
 _BEGINNING = re.compile(r"[0-9a-f]{1,8}($| ($|\{))")
 
 
@@ -29,14 +29,15 @@ class Journal:
     """The finished cases of a sweep, in memory and, if it has an output, in the folder OUT.part.
 
     The first line of the file identifies the sweep; each further line is a case with its values.
-    Each line begins with its checksum: from a damaged line on, cases are computed again.
+    Each line begins with its checksum. Cases after a damaged line are computed again.
     """
 
     def __init__(self, out: Path | None, identity: Mapping[str, Any], *, resume: bool) -> None:
-        """Begin a journal, or read one that was begun, and open it to append cases.
+        """Begin a journal or read an existing one, and open it to append cases.
 
-        out: output of the sweep; None to keep the cases in memory. identity: attributes by which
-        the sweep is recognised. Raises `ResultError` if there is one that is not to be resumed.
+        `out` is the output of the sweep, None to keep the cases in memory. `identity` contains the
+        attributes that identify the sweep. Raises `ResultError` if there is a journal that must not
+        be resumed.
         """
         self.done: dict[int, Values] = {}
         self._out = out
@@ -54,7 +55,7 @@ class Journal:
         kept = self._read(text, identity)
         with telling(out):
             for left in self._part.files():
-                if left != path:  # a store that was not finished
+                if left != path:  # an unfinished store
                     remove(left)
             self._file = path.open("a" if begun else "x", encoding="utf-8")
             self._file.truncate(kept)
@@ -62,9 +63,10 @@ class Journal:
                 self._write(dict(identity))
 
     def _read(self, text: str, identity: Mapping[str, Any]) -> int:
-        """Read the cases of a journal up to a damaged line; returns the bytes before that.
+        """Read the cases of a journal up to a damaged line; return the number of bytes before it.
 
-        identity: of the sweep; raises `ResultError` if the journal belongs to another one.
+        Raises `ResultError` if the journal belongs to a sweep with other attributes than
+        `identity`.
         """
         assert self._out is not None
         kept = 0
@@ -97,13 +99,13 @@ class Journal:
 
     @property
     def new(self) -> Path:
-        """Temporary name of the store while it is written."""
+        """Return a temporary name for the store while it is written."""
         return self._part.new()
 
     def close(self) -> None:
-        """Close the file of the journal, without which an interrupted sweep cannot be resumed."""
+        """Close the file of the journal; after an interruption the sweep can be resumed from it."""
         if self._file is not None:
-            with contextlib.suppress(OSError):  # on a full disk, which is reported already
+            with contextlib.suppress(OSError):  # a full disk, which was reported before
                 self._file.close()
 
     def remove(self) -> None:
@@ -118,7 +120,7 @@ def part_of(out: Path) -> Part:
 
 
 def _text(out: Path, path: Path) -> str:
-    """Return the text of a journal. Raises `ResultError` for a link, and for another file."""
+    """Return the text of a journal; raises `ResultError` for a link or any other file."""
     if not path.is_symlink() and path.is_file() and path.stat().st_nlink == 1:
         text = path.read_text(encoding="utf-8", errors="replace")
         if not text or _BEGINNING.match(text):
@@ -132,12 +134,12 @@ def _checksum(line: str) -> str:
 
 
 def check_same(out: Path, made: Mapping[str, Any], asked: Mapping[str, Any]) -> None:
-    """Raise `ResultError` unless the attributes of an existing sweep are those of the asked one.
+    """Raise `ResultError` unless an existing sweep has the attributes of the present one.
 
-    out: its file, for the message. made, asked: attributes of both.
+    `out` is its file, for the message; `made` are its attributes and `asked` the present ones.
     """
     for key, value in asked.items():
-        if key in FORMAL:  # the scene has the same in numbers
+        if key in FORMAL:  # the scene contains the same as numbers
             continue
         if made.get(key) != value and not (key == "scene" and _same_scene(made.get(key), value)):
             differs = {

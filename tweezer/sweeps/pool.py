@@ -1,4 +1,4 @@
-"""Computing cases: in this process, in others on this machine, or on the workers of Dask."""
+"""Computation of cases in this process, in other local processes, or on the workers of Dask."""
 
 from __future__ import annotations
 
@@ -27,29 +27,29 @@ from tweezer.values.version import versions
 if TYPE_CHECKING:
     from distributed import Client
 
-#: Number of a case, and its values
+#: Number of a case, with its values
 Done = tuple[int, Values]
-#: Cases that one worker computes one after the other: their numbers and settings
+#: Cases that one worker computes in succession: their numbers and settings
 Task = list[tuple[int, dict[str, str]]]
 
-#: Number of tasks for each worker, so that all end at about the same time
+#: Number of tasks for each worker, so that all workers finish at about the same time
 _TASKS = 8
-#: Keys of the size of a bead
+#: Keys that determine the size of a bead
 _SIZES = ("bead.diameter", "bead.radius")
 #: Largest number of cases of a task
 _LONGEST = 64
-#: Number of times that a case is tried whose process dies
+#: Number of attempts at a case whose process dies
 _TRIES = 3
-#: Number of tasks that are submitted at a time, for each worker of a cluster
+#: Number of tasks submitted ahead, for each worker of a cluster
 _AHEAD = 2
 
 
 def tasks_of(cases: Cases, of: str, left: set[int], workers: int) -> list[Task]:
-    """Return the cases that are `left` in tasks, the longest first.
+    """Return the unfinished cases, `left`, as tasks, the longest task first.
 
-    of: what is computed. A task of traps has cases that differ in the power of their light alone:
-    the force is then computed once but for a factor. Other tasks are one case each. workers: their
-    number, by which the size of tasks is chosen.
+    `of` is the kind of sweep. For traps, a task contains cases that differ only in the power of the
+    light, so that the force is computed once and then scaled; its size depends on the number of
+    `workers`. Otherwise each task is one case.
     """
     size = 1
     if of == "trap":
@@ -61,12 +61,12 @@ def tasks_of(cases: Cases, of: str, left: set[int], workers: int) -> list[Task]:
             [(case, cases.settings(case)) for case in kept[i : i + size]]
             for i in range(0, len(kept), size)
         ]
-    # the longest first, so that all workers end at about the same time
+    # the longest first, so that all workers finish at about the same time
     return sorted(tasks, key=_bead_size, reverse=True)
 
 
 def _bead_size(task: Task) -> float:
-    """Return the bead size of a task, m; 0 if all cases share it. Larger beads take longer."""
+    """Return the bead size of a task, m, as a measure of its duration; 0 if all cases share it."""
     _, settings = task[0]
     return max(float(settings.get(key, 0.0)) for key in _SIZES)
 
@@ -86,9 +86,9 @@ def here(asked: Asked, tasks: list[Task]) -> Generator[Done, None, None]:
 
 
 def processes(asked: Asked, tasks: list[Task], workers: int) -> Generator[Done, None, None]:
-    """Compute the cases in `workers` processes of this machine, and yield each with its values.
+    """Compute the cases in `workers` local processes, and yield each with its values.
 
-    The processes end when this one does.
+    The processes end when this process ends.
     """
     queue, results = deque(tasks), SimpleQueue[Done | BaseException | None]()
     keepers = [_Keeper(asked, queue, results) for _ in range(min(workers, len(tasks)))]
@@ -111,9 +111,10 @@ def processes(asked: Asked, tasks: list[Task], workers: int) -> Generator[Done, 
 
 
 class _Keeper:
-    """A thread that hands tasks to one process, and replaces the process if it dies.
+    """Thread that gives tasks to one process, and replaces the process if it dies.
 
-    Results, or the exception that ends the thread, go to a queue; None is its last entry.
+    It puts results, or the exception that ends the thread, into a queue, and None as the last
+    entry.
     """
 
     def __init__(
@@ -122,10 +123,10 @@ class _Keeper:
         queue: deque[Task],
         results: SimpleQueue[Done | BaseException | None],
     ) -> None:
-        """Prepare the thread, which is not started.
+        """Prepare the thread without starting it.
 
-        asked: the computation of each case. queue: of tasks, which several threads share. results:
-        gets the cases as they are finished.
+        `asked` is the computation of each case, `queue` contains the tasks, which several threads
+        share, and `results` receives the cases as they finish.
         """
         self.asked, self.queue, self.results = asked, queue, results
         self.process: subprocess.Popen[str] | None = None
@@ -143,7 +144,7 @@ class _Keeper:
             self.thread.join()
 
     def _run(self) -> None:
-        """Hand tasks to the process until none is left: the body of the thread."""
+        """Give tasks to the process until none is left; this is the body of the thread."""
         try:
             while not self.stopped:
                 try:
@@ -158,9 +159,9 @@ class _Keeper:
             self.results.put(None)
 
     def _do(self, task: Task) -> None:
-        """Compute the cases of a task; one whose process dies is tried again in a new process.
+        """Compute the cases of a task; retry a case in a new process if its process dies.
 
-        After `_TRIES` deaths the case counts as failed.
+        After three deaths the case counts as failed.
         """
         left, tries = deque(task), 0
         while left and not self.stopped:
@@ -180,7 +181,7 @@ class _Keeper:
             self._end()
 
     def _computed(self, task: Task) -> Iterator[Done]:
-        """Yield the cases of a task as the process computes them, until it ends or dies."""
+        """Yield the cases of a task as the process computes them, until it finishes or dies."""
         with self.changing:
             if self.stopped:
                 return
@@ -200,7 +201,7 @@ class _Keeper:
                 yield case, values
 
     def _end(self) -> None:
-        """Kill the process, if there is one, and close its pipes."""
+        """Kill the process, if it exists, and close its pipes."""
         process, self.process = self.process, None
         if process is None:
             return
@@ -228,16 +229,16 @@ def _process(asked: Asked) -> subprocess.Popen[str]:
 
 
 def serve() -> None:
-    """Compute tasks in a process of its own: one task for each line of standard input, as JSON.
+    """Compute tasks in a separate process: each line of standard input is a task as JSON.
 
     The first line is the `Asked` of the sweep. Each case with its values is a line of output.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that began this one ends it
-    logging.disable(logging.WARNING)  # each process would tell that it compiles
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent process ends this one
+    logging.disable(logging.WARNING)  # otherwise each process would log that it compiles
     first = sys.stdin.readline()
-    if not first:  # the process that began this one has ended
+    if not first:  # the parent process has ended
         return
-    # answers have the standard output to themselves: what else is printed goes to standard error
+    # results have standard output to themselves: anything else is printed to standard error
     answers: IO[str] = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     asked = Asked(**json.loads(first))
@@ -268,14 +269,14 @@ def cluster(asked: Asked, tasks: list[Task], client: Client) -> Generator[Done, 
     except CancelledError:
         raise TweezerError("scheduler: is gone; it can be resumed") from None
     finally:
-        executor.shutdown(wait=False)  # which cancels what is in flight
+        executor.shutdown(wait=False)  # cancels tasks in flight
 
 
 def _there(asked: Asked, ours: dict[str, str], task: Task) -> list[Done]:
     """Compute a task on a worker of a cluster, and return its cases with their values.
 
-    ours: versions in the process that began the sweep; raises `TweezerError` if the worker's
-    differ.
+    `ours` contains the versions in the process that began the sweep. Raises `TweezerError` if the
+    worker has others.
     """
     for key, value in versions().items():
         if value != ours[key]:

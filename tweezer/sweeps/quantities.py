@@ -22,10 +22,10 @@ from tweezer.trap import quantities as trap
 from tweezer.values.errors import ResultError, SceneError, TweezerError
 from tweezer.values.measured import Quantity, Result
 
-#: Values of a case by name: numbers, or lists of them along a dimension
+#: Values of a case by name: numbers, or lists of numbers along a dimension
 Values = dict[str, Any]
 
-#: Outcomes of a case that failed, and of one that was not computed
+#: Outcomes of a case that failed, and of a case that was not computed
 FAILED, MISSING = "failed", "not computed"
 _OF: dict[str, tuple[Quantity, ...]] = {
     "trap": trap.QUANTITIES,
@@ -37,22 +37,22 @@ _OF: dict[str, tuple[Quantity, ...]] = {
     ),
     "calibrate": calibration.QUANTITIES,
 }
-#: Quantities by kind of sweep and by their name; energies are in k_B T
+#: Quantities by kind of sweep and by name; energies are in k_B T
 QUANTITIES = {
     of: {each.name: each.in_kT for each in every if each.swept} for of, every in _OF.items()
 }
 
 
 def quantities_of(of: str) -> dict[str, Quantity]:
-    """Return the quantities of a sweep of `of`. Raises `ResultError` for an unknown name."""
+    """Return the quantities of a kind of sweep; raises `ResultError` for an unknown kind."""
     if of not in QUANTITIES:
         raise ResultError(f"is a sweep of {of[:20]!r}; allowed: {', '.join(SWEPT)}")
     return QUANTITIES[of]
 
 
-#: Arguments that only some sweeps use, with their values if they are not given
+#: Default values of the arguments that only some kinds of sweep use
 _DEFAULTS: dict[str, Any] = {"trajectories": 100, "seed": 0, "skip": 0.0}
-#: Names of these arguments that a sweep of each kind uses
+#: Names of these arguments that each kind of sweep uses
 USED: dict[str, tuple[str, ...]] = {
     "trap": (), "run": ("seed",), "ensemble": ("seed", "trajectories", "skip"),
     "calibrate": ("seed", "skip"),
@@ -61,22 +61,22 @@ USED: dict[str, tuple[str, ...]] = {
 
 @dataclasses.dataclass(frozen=True)
 class Asked:
-    """The computation that a sweep does for every case, in a form that other processes get."""
+    """Computation that a sweep performs for every case, in a form that other processes can read."""
 
     scene: str
-    """JSON of the scene that the cases change"""
+    """JSON of the scene before the changes of a case"""
     of: str
     """kind of the sweep, one of `SWEPT`"""
     trajectories: int
     """number of trajectories of an ensemble"""
     seed: int
-    """of thermal motion, the same in every case"""
+    """seed of thermal motion, the same in every case"""
     skip: float
-    """time left out at the beginning of an ensemble's statistics, or of a recording, s"""
+    """time omitted at the beginning of an ensemble's statistics, or of a recording, s"""
     forces: tuple[Force | str, ...] = ()
-    """beside those of the scene; those named by files can be read in another process"""
+    """the user's forces; only forces named by files can be read by another process"""
     forces_from: str = ""
-    """the files of these forces with their digests; "" if one of the forces is an object"""
+    """files of these forces with their digests; "" if a force is an object"""
 
     def case(self, settings: Mapping[str, str]) -> Scene:
         """Return the scene of a case; raises `SceneError` if its settings are invalid."""
@@ -84,11 +84,11 @@ class Asked:
 
     @functools.cached_property
     def _scene(self) -> Scene:
-        """The scene that the cases change, read from its JSON once."""
+        """The scene before the changes of a case, parsed once."""
         return Scene.model_validate_json(self.scene)
 
     def check(self, scene: Scene) -> None:
-        """Raise `SceneError` if this cannot be computed for a scene, or with these arguments."""
+        """Raise `SceneError` if a scene or the arguments do not allow this computation."""
         if self.of == "ensemble":
             check_ensemble(
                 scene, self.trajectories, seed=self.seed, out=None, statistics=True,
@@ -102,7 +102,7 @@ class Asked:
 
     @functools.cached_property
     def own(self) -> tuple[Force, ...]:
-        """The user's forces, read from their files if they are named by these.
+        """The user's forces, read from their files if they are named by files.
 
         Raises `SceneError` if a file has changed since the sweep began.
         """
@@ -112,7 +112,7 @@ class Asked:
         return found
 
     def compute(self, settings: Mapping[str, str]) -> Values:
-        """Compute a case, and return its outcome and values; or that it failed, and why."""
+        """Compute a case; return its outcome and values, or the reason for a failure."""
         try:
             with warnings.catch_warnings(action="ignore"):
                 scene = self.case(settings)
@@ -130,7 +130,7 @@ def _of_trap(scene: Scene, asked: Asked) -> Values:
     from tweezer.trap import characterise
 
     found = characterise(scene, forces=asked.own)
-    _ = found.lifetime  # computed where it is asked for
+    _ = found.lifetime  # computed on first use
     return values_of(found, scene.medium.temperature)
 
 
@@ -163,7 +163,7 @@ def _of_run(scene: Scene, asked: Asked) -> Values:
 
 
 def _of_ensemble(scene: Scene, asked: Asked) -> Values:
-    """Compute the statistics of an ensemble, and return the lost part and the moments."""
+    """Compute the statistics of an ensemble; return the lost fraction and the moments."""
     from tweezer.ensembles import ensemble
     from tweezer.ensembles.statistics import error_of_part
 
@@ -186,7 +186,7 @@ def _of_ensemble(scene: Scene, asked: Asked) -> Values:
 
 
 def _of_calibration(scene: Scene, asked: Asked) -> Values:
-    """Simulate the bead of a scene, calibrate the trap from its run, and return the values."""
+    """Simulate a run of a scene, calibrate the trap from it, and return the values."""
     from tweezer.calibration import calibrate
     from tweezer.reading import load_recording
     from tweezer.runs.simulation import simulate
@@ -209,8 +209,8 @@ _COMPUTED: dict[str, Callable[[Scene, Asked], Values]] = {
 def asked_of(scene: Scene, of: str, forces: Sequence[Force | str] = (), **given: Any) -> Asked:
     """Return the computation of a sweep of the kind `of`.
 
-    given: arguments named in `USED`; None for one that is not given. Raises `SceneError` unless
-    `of` is one of `SWEPT`, and for an argument that it does not use.
+    `given` contains the arguments named in `USED`, or None for arguments that are not given. Raises
+    `SceneError` unless `of` is one of `SWEPT`, and for an argument that this kind does not use.
     """
     if of not in SWEPT:
         raise SceneError(f"of = {of!r}: allowed: {', '.join(SWEPT)}")
@@ -219,7 +219,7 @@ def asked_of(scene: Scene, of: str, forces: Sequence[Force | str] = (), **given:
         if name not in USED[of]:
             uses = ", ".join(each for each in SWEPT if name in USED[each])
             raise SceneError(f"{name}: is for sweeps of {uses}, not of {of}")
-    own = forces_of(forces)  # which refuses other objects
+    own = forces_of(forces)  # raises an error for other objects
     kept = tuple(str(Path(each).absolute()) if isinstance(each, str) else each for each in forces)
     return Asked(
         scene.model_dump_json(exclude_none=True), of, **_DEFAULTS | given, forces=kept,
@@ -228,5 +228,5 @@ def asked_of(scene: Scene, of: str, forces: Sequence[Force | str] = (), **given:
 
 
 def to_text(found: Any) -> str:
-    """Return values as a line of JSON, from which numbers are read back exactly, also NaN."""
+    """Return values as a line of JSON, from which they are read back exactly, including NaN."""
     return json.dumps(found, separators=(",", ":"))

@@ -1,4 +1,4 @@
-"""The result of a sweep: one dataset, and its Zarr store."""
+"""Result of a sweep as a dataset, and its Zarr store."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tweezer.values.stores import checksums, seal
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Descriptions of the variables of every case that are words
+#: Descriptions of the variables that contain text
 _WORDS = {
     "outcome": "what becomes of the bead, or of the case",
     "reason": "why a case failed, or where no trap was found",
@@ -36,8 +36,8 @@ def dataset_of(
 ) -> xr.Dataset:
     """Return the result of a sweep as a dataset, in the order of its cases.
 
-    of: kind of the sweep. done: values of the finished cases by number; the others have the outcome
-    "not computed" and NaN. attributes: of the dataset.
+    `of` is the kind of sweep, and `done` has the values of finished cases by number. Other cases
+    get the outcome "not computed" and NaN. `attributes` become those of the dataset.
     """
     import xarray as xr
 
@@ -84,9 +84,9 @@ def dataset_of(
 
 
 def write(dataset: xr.Dataset, new: Path, out: Path) -> None:
-    """Write a dataset to the Zarr store `out` as a whole or not at all, with checksums of chunks.
+    """Write a dataset to the Zarr store `out` atomically, with checksums of chunks.
 
-    It is written under the name `new` first.
+    It is first written under the name `new`.
     """
     from zarr.codecs import Crc32cCodec, ZstdCodec
 
@@ -100,12 +100,12 @@ def write(dataset: xr.Dataset, new: Path, out: Path) -> None:
         seal(new, checksums(new))
         new.replace(out)
     except BaseException:
-        shutil.rmtree(new, ignore_errors=True)  # a full disk has room for the journal again
+        shutil.rmtree(new, ignore_errors=True)  # so that a full disk has room for the journal again
         raise
 
 
 def read(out: Path) -> xr.Dataset:
-    """Return the store of a sweep, in memory. Raises `ResultError` for any other file."""
+    """Load the store of a sweep into memory; raises `ResultError` for any other file."""
     dataset = load_result(out)
     if (kind := kind_of(dataset)) is None or kind.name != "sweep":
         raise ResultError(f"{out}: not a sweep{f': is {kind.told}' if kind else ''}")

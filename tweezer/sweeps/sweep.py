@@ -28,12 +28,12 @@ if TYPE_CHECKING:
     import xarray as xr
     from distributed import Client
 
-#: Numbers and values of cases, as they are finished
+#: Numbers and values of cases in the order in which they finish
 Results = Generator[Done, None, None]
-#: Function that computes the cases: `here`, `processes` or `cluster`
+#: Function that computes cases: `here`, `processes` or `cluster`
 Computing = Callable[..., Results]
 
-#: Version of the files; those of another version cannot be resumed
+#: Version of the file format; files of another version cannot be resumed
 FORMAT = "2"
 #: Largest number of processes
 _MOST = 10_000
@@ -170,9 +170,9 @@ def sweep(
 def _record(
     results: Results, journal: Journal, count: int, progress: Callable[[float], None] | None
 ) -> None:
-    """Record each case in the journal as it is finished, and report the finished fraction.
+    """Record each case in the journal when it is finished, and report the finished fraction.
 
-    count: number of all cases. An interruption closes `results`, which stops the workers.
+    `count` is the number of all cases. An interruption closes `results`, which stops the workers.
     """
     with contextlib.closing(results):
         for case, values in results:
@@ -202,9 +202,9 @@ def _attributes(asked: Asked, grid: Cases, scene: Scene) -> dict[str, str]:
 
 
 def _finished(path: Path, attributes: Mapping[str, str], *, resume: bool) -> xr.Dataset:
-    """Return the finished sweep at `path`, whose journal is removed.
+    """Return the finished sweep at `path`, and remove its journal.
 
-    Raises `ResultError` unless it is the same sweep and may be resumed.
+    Raises `ResultError` unless it is the same sweep and `resume` is set.
     """
     if not resume:
         raise ResultError(f"{path}: already exists; resume it or choose another file")
@@ -229,9 +229,9 @@ def _check_some_case(asked: Asked, grid: Cases) -> None:
 
 
 def _workers_of(asked: Asked, workers: int | None, scheduler: object, out: object) -> int | None:
-    """Return the number of workers as given; 1 with forces that no other process can read.
+    """Return the given number of workers, or 1 with forces that no other process can read.
 
-    Raises `SceneError` if other arguments do not fit such forces.
+    Raises `SceneError` if such forces are combined with other workers, a scheduler or an output.
     """
     if not asked.forces or asked.forces_from:
         return workers
@@ -246,7 +246,7 @@ def _workers_of(asked: Asked, workers: int | None, scheduler: object, out: objec
 
 
 def _workers(workers: int | None, scheduler: object) -> int:
-    """Return the number of processes: as given, or one for each core. Raises `SceneError`."""
+    """Return the number of processes: as given, or one per core; raises `SceneError`."""
     if workers is None:
         return cores()
     if scheduler is not None:

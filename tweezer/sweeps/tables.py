@@ -23,8 +23,9 @@ _HEADING = re.compile(r"\s*(?P<key>\S+?)(?:\s+[\[(](?P<unit>[^\])]+)[\])])?\s*")
 def columns_of(table: Any) -> list[tuple[str, list[Any]]]:
     """Return the keys of a table of cases, each with its values.
 
-    A unit in a heading, "beam.power [mW]", or in the attribute `units` of xarray, is that of each
-    value. Raises `SceneError` for a heading that is no key, and `ResultError` for such a file.
+    A unit in a heading, such as "beam.power [mW]", or in the attribute `units` of xarray, applies
+    to all values. Raises `SceneError` for a heading that is not a key, and `ResultError` for a file
+    that is not a CSV table.
     """
     if isinstance(table, str | Path):
         return _of_file(Path(table))
@@ -39,7 +40,7 @@ def columns_of(table: Any) -> list[tuple[str, list[Any]]]:
 def _column(heading: str, values: Any, unit: str = "") -> tuple[str, list[Any]]:
     """Return the key of a heading such as "beam.power [mW]", and the values with their unit.
 
-    unit: of the values if the heading has none. Raises `SceneError` for an invalid column.
+    `unit` applies if the heading has none. Raises `SceneError` for an invalid column.
     """
     match = _HEADING.fullmatch(heading)
     if not match:
@@ -52,7 +53,7 @@ def _column(heading: str, values: Any, unit: str = "") -> tuple[str, list[Any]]:
 
 
 def _of_xarray(table: xr.Dataset) -> list[tuple[str, list[Any]]]:
-    """Return the variables of a dataset as keys, and coordinates named like keys, with values."""
+    """Return the variables of a dataset, and coordinates named like keys, as keys with values."""
     keys = [*table.data_vars, *(name for name in table.coords if "." in str(name))]
     along = {table[key].dims for key in keys}
     if len(along) > 1 or any(len(dims) != 1 for dims in along):
@@ -65,7 +66,7 @@ def _of_xarray(table: xr.Dataset) -> list[tuple[str, list[Any]]]:
 
 
 def _of_file(path: Path) -> list[tuple[str, list[Any]]]:
-    """Return the columns of a CSV file as keys with values; raises `ResultError` if it is none."""
+    """Return the columns of a CSV file as keys with values; raises `ResultError` if invalid."""
     try:
         text = StringIO(read_text(path), newline="")
         reader = csv.reader(text, skipinitialspace=True, strict=True)
