@@ -61,7 +61,7 @@ def _by_part(results: Results) -> list[list[list[str]]]:
     """ns of a bead's step by its parts, where they were taken."""
     if "parts" not in results:
         return []
-    heading = ["a bead's step and its parts, one core, least time", "ns"]
+    heading = ["one step of a bead and its parts, one core, shortest time", "ns"]
     return [[heading, *([name, rounded(ns)] for name, ns in results["parts"].items())]]
 
 
@@ -75,7 +75,7 @@ def _by_way(results: Results) -> list[list[str]]:
         if entry["step_trap_times"] == STEP
     }
     table = [
-        [f"bias at a step of {STEP:g} trap times, %", "million steps a second",
+        [f"bias at a step of {STEP:g} trap times, %", "million steps per second",
          *(f"⟨x²⟩, {name}" for name in names), f"corner frequency, {MILD}"],
     ]  # fmt: skip
     rates = {(each["model"], each["method"]): each["steps_per_s"] for each in results["rates"]}
@@ -89,10 +89,11 @@ def _by_way(results: Results) -> list[list[str]]:
 def _against_numpy(results: Results) -> list[list[str]]:
     """What Euler-Maruyama costs for the same error; the first row is that of the headings."""
     table = [
-        ["ours: scheme, well, step in trap times", "⟨x²⟩ wrong by, %",
-         "Euler-Maruyama's step, relaxation times", "its ⟨v²⟩ wrong by, %", "times fewer steps",
-         "times cheaper than NumPy: closed form", "table", "sum over 7644 rays",
-         "than compiled, table"],
+        ["tweezer: scheme, well, step in trap times", "error of ⟨x²⟩, %",
+         "Euler-Maruyama's step, velocity relaxation times", "its error of ⟨v²⟩, %",
+         "ratio of steps",
+         "NumPy time / tweezer time: closed form", "force map", "sum over 7644 rays",
+         "compiled time / tweezer time, force map"],
     ]  # fmt: skip
     for each in results["headline"]["cheaper"]:
         cheaper = each["times_cheaper"]
@@ -110,28 +111,28 @@ def _against_numpy(results: Results) -> list[list[str]]:
 
 def _apart(results: Results) -> list[list[str]]:
     """Ensembles, and the first step; the first row is that of the headings."""
-    lines = [["ensembles of statistics; first step", ""]]
+    lines = [["ensembles with statistics; first step", ""]]
     for key, what in (
-        ("two_threads_over_one", "two threads over one"),
-        ("two_dask_workers_over_one", "two Dask workers over one"),
+        ("two_threads_over_one", "two threads / one"),
+        ("two_dask_workers_over_one", "two Dask workers / one"),
     ):
         value = results["headline"][key]
-        lines.append([f"{what}, times as fast", f"{value:.2f}" if value else "not taken"])
+        lines.append([f"{what}, ratio of rates", f"{value:.2f}" if value else "not measured"])
     lines += [
         [
-            f"memory at its peak, {of['trajectories']:,} trajectories of 5 samples",
+            f"peak memory, {of['trajectories']:,} trajectories of 5 samples",
             f"{of['peak_mb']:.0f} MB",
         ]
         for of in results["memory"]
     ]
     fresh = results["fresh_process"]
     for key, what in (
-        ("empty_cache", "bound and a step, all compiled"),
-        ("warm_cache", "the same, compiled before"),
+        ("empty_cache", "binding and a step, including compilation"),
+        ("warm_cache", "the same, compiled earlier"),
     ):
         if key in fresh:
             seconds = fresh[key]["bind_s"] + fresh[key]["first_step_s"]
-            lines.append([f"a first process: {what}", f"{rounded(seconds)} s"])
+            lines.append([f"new process: {what}", f"{rounded(seconds)} s"])
     return lines
 
 
@@ -265,27 +266,15 @@ def _draw_scaling(axes: Axes, results: Results) -> None:
 
 
 def block(results: Results) -> str:
-    """Its part of the page, between its markers."""
+    """Return the block: the trap's times, the tables, and what was omitted."""
     trap = results["trap"]
-    explained = (
-        f"Thermal motion of the bead of `{results['scene']}` (trap time "
-        f"{1e6 * trap['trap_time_s']:.0f} µs, relaxation time "
-        f"{1e9 * trap['relaxation_time_s']:.0f} ns), the fluid without inertia. Rates: 3-D, table "
-        "force, steady state. "
-        "Biases: relative, in wells of the trap's stiffness where the truth is a quadrature, ± one "
-        "standard error. The corner frequency is that of the fall of the autocorrelation, against "
-        "the inertial motion. One-call places are for distributions, not for spectra. "
-        "Euler-Maruyama, of the inertial equations in NumPy, takes the step at which its ⟨x²⟩ is "
-        "as wrong as ours may be: the largest bias from a step of "
-        f"{STEP:g} on, with two standard errors. The sum over rays is the thesis's, in NumPy."
+    times = (
+        f"The trap's relaxation time (the *trap time*) is {1e6 * trap['trap_time_s']:.0f} µs. The "
+        f"velocity's relaxation time is {1e9 * trap['relaxation_time_s']:.0f} ns."
     )
     lines = [
-        *textwrap.wrap(explained, 110),
-        "",
-        *pages.tables(_measured(results)),
-        "![Brownian motion: rates, bias against step and cost](figures/bench-brownian.png)",
-        *left_out(results),
-    ]
+        *textwrap.wrap(times, 110), "", *pages.tables(_measured(results))[:-1], *left_out(results)
+    ]  # fmt: skip
     return pages.block("brownian", lines, results["machine"])
 
 

@@ -26,10 +26,10 @@ METHODS = {
 
 def tables(results: Results) -> list[list[list[str]]]:
     """Of cameras, and of disturbed records; the first row of each is that of the headings."""
-    headings = ["not marked, %", *METHODS.values(), "outside, not marked"]
+    headings = ["without finding, %", *METHODS.values(), "missed without finding"]
     told = [each for each in results["cameras"] if each not in blind(results)]
     cameras = [
-        ["k, pN/um; frames a second; exposed, given; drag", *headings],
+        ["k, pN/um; frames per second; exposure; drag", *headings],
         *([_camera(each), *_row(each)] for each in told),
     ]
     disturbed = [
@@ -81,7 +81,7 @@ def _coverage(of: Results | None) -> str:
 def speed(results: Results) -> list[list[str]]:
     """Return the table of whole calibrations, with the headings in its first row."""
     return [
-        ["samples", "calibrate, s", "pylake, s", "ratio", "memory, records"],
+        ["samples", "calibrate, s", "pylake, s", "ratio", "memory / recording"],
         *(
             [
                 f"{each['samples']:,}", f"{each['seconds']:.2g}", f"{each['pylake']:.2g}",
@@ -138,24 +138,15 @@ def figure(results: Results) -> Figure:
 
 
 def block(results: Results) -> str:
-    """Its part of the page, between its markers."""
+    """Return the block: coverage of cameras and disturbed recordings, and the speed."""
     numbers = [each for study in blind(results) for each in study["methods"].values()]
     outside = sum(each["records"] - each["inside"] for each in numbers)
     missed = sum(each["unmarked"] - each["unmarked_and_inside"] for each in numbers)
-    explained = (
-        "Records of beads whose trap is known are sampled exactly: "
-        f"{results['cameras'][0]['records']} of each kind as cameras make them (6,000 frames, "
-        "exposed for all of each frame or for none), and "
-        f"{results['disturbed'][0]['records']} of each kind of 40 and of 820 relaxation times, "
-        "ten samples in each, with white noise or a steady drift in units of the standard "
-        "deviation of the motion (sd). Methods: spectrum with the drag as known, and with the drag "
-        "fitted; variance (equipartition); mean squared displacement (MSD); autocorrelation (ACF); "
-        "potential. In percent: how often the 95 % interval holds the true stiffness, of the "
-        "numbers that carry no finding; how many these are stands in brackets. All kinds share "
-        "their random numbers, so their figures are off together. The last column counts numbers "
-        "of all methods outside their interval: those without a finding, of all. Of the exposed "
-        "records whose exposure is not given, which are not in the table, "
-        f"{missed} of {outside} such numbers carry none."
+    counted = (
+        f"There are {results['cameras'][0]['records']} recordings of each kind by cameras and "
+        f"{results['disturbed'][0]['records']} of each disturbed kind. The table omits recordings "
+        f"with an exposure that is not given. Their intervals miss the true value in {outside} "
+        f"results, of which {missed} have no finding."
     )
     timed = (
         "The table compares the processor time of one calibration, with all methods and findings, "
@@ -164,9 +155,8 @@ def block(results: Results) -> str:
         f"These figures were measured at commit {results['speed']['machine']['commit']}."
     )
     lines = [
-        *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
-        *textwrap.wrap(timed, 110), "", *pages.tables([speed(results)]),
-        "![Coverage of the intervals, by method](figures/bench-calibrate.png)",
+        *textwrap.wrap(counted, 110), "", *pages.tables(tables(results)),
+        *textwrap.wrap(timed, 110), "", *pages.tables([speed(results)])[:-1],
     ]  # fmt: skip
     return pages.block("calibrate", lines, results["machine"])
 

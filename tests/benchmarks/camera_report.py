@@ -12,7 +12,7 @@ from scipy.stats import binomtest
 
 from tests.benchmarks import pages
 from tests.benchmarks.calibrate_report import METHODS
-from tests.benchmarks.camera import FRAMES, Results
+from tests.benchmarks.camera import Results
 from tweezer.plots import style
 
 
@@ -30,7 +30,7 @@ def pooled(study: Results) -> dict[str, tuple[int, int]]:
 
 def _named(study: Results) -> str:
     drag = "given" if study["drag_given"] else "fitted"
-    return f"{study['rate']:.0f} a second, drag {drag}"
+    return f"{study['rate']:.0f} per second, drag {drag}"
 
 
 def tables(results: Results) -> list[list[list[str]]]:
@@ -71,23 +71,14 @@ def figure(results: Results) -> Figure:
 
 
 def block(results: Results) -> str:
-    """Its part of the page, between its markers."""
-    k, records = results["stiffness"], results["studies"][0]["records"]
-    explained = (
-        f"{records} simulated runs of a 1 um silica bead in a trap of {1e6 * k['x']:.1f}, "
-        f"{1e6 * k['y']:.1f} and {1e6 * k['z']:.1f} pN/um, by the whole force of the light and "
-        f"without inertia, are seen by a camera: {FRAMES:,} frames, exposed all the "
-        "time, with noise of "
-        f"{1e9 * results['studies'][0]['noise']:.0f} nm across the light and four times that along "
-        "it. Each is calibrated by what the camera saw, its exposure and its noise. In percent: "
-        "how often the 95 % interval holds the stiffness of the force, of the numbers along x, y "
-        "and z that carry no finding; how many these are stands in brackets. Where the drag is "
-        "fitted, the calibration is told only the temperature, the exposure and the noise."
+    """Return the block: the trap, the number of runs and the coverage."""
+    k, first = results["stiffness"], results["studies"][0]
+    simulated = (
+        f"There are {first['records']} runs of each kind in a trap of {1e6 * k['x']:.1f}, "
+        f"{1e6 * k['y']:.1f} and {1e6 * k['z']:.1f} pN/um along x, y and z. The noise of the "
+        f"camera is {1e9 * first['noise']:.0f} nm across the light and four times that along it."
     )
-    lines = [
-        *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
-        "![Coverage of the intervals from a camera, by method](figures/bench-camera.png)",
-    ]  # fmt: skip
+    lines = [*textwrap.wrap(simulated, 110), "", *pages.tables(tables(results))[:-1]]
     return pages.block("camera", lines, results["machine"])
 
 

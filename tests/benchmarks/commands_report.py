@@ -28,9 +28,9 @@ def tables(results: Results) -> list[list[list[str]]]:
         for each in results["in_order"]
     ]  # fmt: skip
     return [
-        [["each in empty caches of its own", "cold, CPU s", "cold, s", "warm, CPU s", "warm, s",
-          "functions kept"], *alone],
-        [["one after the other, in one empty cache", "CPU s", "s", "functions added"], *order],
+        [["command, alone", "cold, CPU s", "cold, s", "warm, CPU s", "warm, s",
+          "functions cached"], *alone],
+        [["commands in this order, one empty cache", "CPU s", "s", "functions added"], *order],
     ]  # fmt: skip
 
 
@@ -56,20 +56,19 @@ def figure(results: Results) -> Figure:
 
 
 def block(results: Results) -> str:
-    """Its part of the page, between its markers."""
+    """Return the block: the way from nothing to the first results, and the tables."""
     by_command = {each["command"]: each for each in results["commands"]}
     page, run = by_command[FIRST_PAGE.told], by_command[FIRST_RUN.told]
-    explained = (
-        f"From nothing: the environment and `pip install` took {results['install']['wall_s']:.0f} "
-        f"s, which depends on the network. Then `{page['command']}` has the first page after "
-        f"{page['cold_wall_s']:.0f} s ({page['cold_cpu_s']:.0f} s of processor time), and "
-        f"`{run['command']}` its numbers after {run['cold_wall_s']:.0f} s "
-        f"({run['cold_cpu_s']:.0f} s). Most of it is compiling, once."
+    first = (
+        "From nothing, the environment and `pip install` took "
+        f"{results['install']['wall_s']:.0f} s, which depends on the network. After that, "
+        f"`{page['command']}` writes the first page after {page['cold_wall_s']:.0f} s "
+        f"({page['cold_cpu_s']:.0f} s of processor time), and `{run['command']}` prints its "
+        f"results after {run['cold_wall_s']:.0f} s ({run['cold_cpu_s']:.0f} s)."
     )
     lines = [
-        *textwrap.wrap(explained, 110, break_long_words=False, break_on_hyphens=False), "",
-        *pages.tables(tables(results)),
-        "![Processor time of each command, cold and warm](figures/bench-commands.png)",
+        *textwrap.wrap(first, 110, break_long_words=False, break_on_hyphens=False), "",
+        *pages.tables(tables(results))[:-1],
     ]  # fmt: skip
     return pages.block("commands", lines, results["machine"])
 

@@ -5,25 +5,23 @@
 
 from __future__ import annotations
 
-import textwrap
-
 from matplotlib.figure import Figure
 
 from tests.benchmarks import pages
-from tests.benchmarks.depth import WRONG, Results
+from tests.benchmarks.depth import Results
 from tweezer.plots import style
 
 
 def tables(results: Results) -> list[list[list[str]]]:
     """By bead, and by camera; the first row of each is that of the headings."""
     beads = [
-        ["tracks", "frames a second", "noise, nm", "coverage, %", "where determined, %", "bias, nm",
-         "interval, nm", "bias/interval", "median interval, nm", "not determined",
+        ["tracks", "frames per second", "noise, nm", "coverage, %", "where determined, %",
+         "bias, nm", "interval, nm", "bias / interval", "median interval, nm", "not determined",
          "time of a fit, s"],
         *(
             [
                 *_tracks(each), _coverage(each),
-                _coverage(each["determined"]) if "determined" in each else "none is",
+                _coverage(each["determined"]) if "determined" in each else "none",
                 f"{1e9 * each['bias_m']:z.0f} ± {1e9 * each['bias_error_m']:.0f}",
                 f"{1e9 * each['interval_m']:.0f}", f"{each['bias_of_interval']:z.2f}",
                 *_found(each),
@@ -32,7 +30,7 @@ def tables(results: Results) -> list[list[list[str]]]:
         ),
     ]  # fmt: skip
     cameras = [
-        ["tracks", "frames a second", "noise, nm", "median interval, nm", "not determined",
+        ["tracks", "frames per second", "noise, nm", "median interval, nm", "not determined",
          "time of a fit, s"],
         *([*_tracks(each), *_found(each)] for each in results["cameras"]),
     ]  # fmt: skip
@@ -105,28 +103,8 @@ def figure(results: Results) -> Figure:
 
 
 def block(results: Results) -> str:
-    """Its part of the page, between its markers."""
-    covered = ", ".join(
-        f"{100 * each['coverage']:.3g} % of {each['tracks']} tracks of {_motion(each)}"
-        for each in results["beads"]
-    )
-    wrong = " or ".join(each["fit"] for each in results["beads"] if each["fit"])
-    unknown = f"; where {wrong} is too, the scene has it {WRONG:g} times too large" if wrong else ""
-    explained = (
-        "Where along the light a bead started, from tracks in the plane: of the unscaled bead, "
-        "with thermal motion, released where the thesis releases it; and of one that starts 0.1 µm "
-        "above a [wall](walls.md) and falls from there into a weak trap. The noise is fitted too"
-        f"{unknown}. The "
-        f"interval is called 95 %, but covers the start in {covered}; tracks that do not "
-        'determine z count as the others do, except under "where determined". The grey band of the '
-        "figure is the 90 to 99 % asked for. In brackets is the interval of Clopper and Pearson "
-        "about the coverage; bias ± one standard error."
-    )
-    lines = [
-        *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
-        "![Coverage, and interval against noise](figures/bench-depth.png)",
-    ]  # fmt: skip
-    return pages.block("depth", lines, results["machine"])
+    """Return the block: coverage and intervals by bead, and intervals by camera."""
+    return pages.block("depth", pages.tables(tables(results))[:-1], results["machine"])
 
 
 if __name__ == "__main__":

@@ -16,9 +16,9 @@ from tweezer.plots import style
 
 #: what of the modes is compared, and how
 _QUANTITIES = {
-    "velocity": "correlation of the velocity, of kT/M",
+    "velocity": "velocity autocorrelation / (kT/M)",
     "displacement": "mean squared displacement",
-    "spectrum": "spectrum below 1 MHz",
+    "spectrum": "PSD below 1 MHz",
     "relaxation": "relaxation in a trap",
     "tail": "tail to 1e5 τ_f",
 }
@@ -32,7 +32,7 @@ def tables(results: Results) -> list[list[list[str]]]:
     Each table has its headings in the first row.
     """
     of_modes = [
-        ["poles", *_QUANTITIES.values(), "ms to find the modes"],
+        ["poles", *_QUANTITIES.values(), "time to find the modes, ms"],
         *(
             [f"{each['poles']}", *(f"{each[name]:.1e}" for name in _QUANTITIES),
              f"{1e3 * each['seconds']:.2f}"]
@@ -40,7 +40,7 @@ def tables(results: Results) -> list[list[list[str]]]:
         ),
     ]  # fmt: skip
     captures = [
-        ["capture, until", "without memory, µm", "usual poles, at 1e-7", "at 1e-9",
+        ["capture, until", "without memory, µm", "default poles, tolerance 1e-7", "tolerance 1e-9",
          *(f"{each['poles']} poles" for each in results["captures"][0]["by_poles"])],
         *(
             [
@@ -52,8 +52,8 @@ def tables(results: Results) -> list[list[list[str]]]:
         ),
     ]  # fmt: skip
     calls = [
-        ["capture, light", "tolerance", "force calls without", "with (poles)", "ratio",
-         "ms without", "ms with"],
+        ["capture, light", "tolerance", "force calls without memory", "with memory (poles)",
+         "ratio", "ms without", "ms with"],
         *(
             [
                 f"{of['bead']}, {of['theory']}", f"{of['tolerance']:.0e}",
@@ -66,12 +66,12 @@ def tables(results: Results) -> list[list[list[str]]]:
         ),
     ]  # fmt: skip
     told = [
-        ["viscosity, mPa s", "runs", "poles", "largest true error, nm", "reported below it",
-         "reported / true, least", "median", "most"],
+        ["viscosity, mPa s", "runs", "poles", "largest true error, nm", "runs reported below it",
+         "reported / true, smallest", "median", "largest"],
         *(_told(results["told"]["runs"], low, high) for low, high in _DECADES),
     ]  # fmt: skip
     steps = [
-        ["thermal step of heun, map", "ns", "over that without memory"],
+        ["thermal step of heun, map", "ns", "time / time without memory"],
         *(
             [f"{of['poles']} poles" if of["poles"] else "without memory", f"{of['ns']:.0f}",
              f"{of['times']:.2f}"]

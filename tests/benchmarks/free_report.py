@@ -5,8 +5,6 @@
 
 from __future__ import annotations
 
-import textwrap
-
 from matplotlib.figure import Figure
 from scipy.stats import binomtest
 
@@ -51,7 +49,7 @@ def tables(results: Results) -> list[list[list[str]]]:
         *(heading for *_, heading in COUNTED),
         "+-, %",
         "mean",
-        "marked, %",
+        "finding, %",
     ]
     return [[headings, *rows]]
 
@@ -85,22 +83,9 @@ def figure(results: Results) -> Figure:
 
 
 def block(results: Results) -> str:
-    """Its part of the page, between its markers."""
-    explained = (
-        f"{results['studies'][0]['tracks']} tracks of each kind, in x and y, of a free bead of 1 "
-        "um in water are drawn exactly, 20 frames a second: exposed for all of each frame "
-        "(blurred) or for none, with a localisation error in units of the thermal displacement "
-        "along an axis in one frame (noise), and, but for the first kind, a steady drift of three "
-        "times the thermal displacement over the track. `tweezer calibrate` is told the "
-        "temperature, and, where it says so, exposure and noise. In percent: how often no trap is "
-        "seen; how often the 95 % interval holds the true diffusion, by the likelihood of both "
-        "axes and of one, and by covariances of one; the median standard uncertainty; in how many "
-        "tracks something speaks against the number. Mean: of the diffusion over the true one."
-    )
-    lines = [
-        *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
-        "![Coverage of the intervals of the diffusion](figures/bench-free.png)",
-    ]  # fmt: skip
+    """Return the block: the number of tracks and the coverage."""
+    told = f"There are {results['studies'][0]['tracks']} tracks of each kind."
+    lines = [told, "", *pages.tables(tables(results))[:-1]]
     return pages.block("free", lines, results["machine"])
 
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from scipy.stats import binomtest
 
 from tests.benchmarks import pages
-from tests.benchmarks.heights import RADIUS, Results
+from tests.benchmarks.heights import Results
 from tweezer.plots import style
 
 #: ways of the figure, with their colours
@@ -23,14 +23,14 @@ QUANTITIES = ("stiffness", "drag", "m/V")
 
 def tables(results: Results) -> list[list[list[str]]]:
     """Of each kind of records; the first row of each is that of the headings."""
-    headings = ["inside, %", "bias, sd", "bias, %", "+-, %"]
+    headings = ["coverage, %", "bias, sd", "bias, %", "+-, %"]
     return [
         [
-            ["height given, no inertia: axis; gap in radii; quantity", *headings],
+            ["given height: axis; gap in radii; quantity", *headings],
             *_rows(results, "steady", lambda by: "metres" in by or "volts" in by),
         ],
         [
-            ["height off by a tenth of the gap, as is said", *headings],
+            ["uncertain height", *headings],
             *_rows(results, "steady", lambda by: "uncertain" in by),
         ],
         [
@@ -38,11 +38,11 @@ def tables(results: Results) -> list[list[list[str]]]:
             *_rows(results, "driven", lambda by: True),
         ],
         [
-            ["with the inertia of the fluid", *headings],
+            ["fluid inertia", *headings],
             *_rows(results, "fluid", lambda by: True),
         ],
         [
-            ["the wall found, by five heights; quantity", *headings],
+            ["five heights: given or fitted; quantity", *headings],
             *_rows(results, "series", lambda by: True),
         ],
     ]  # fmt: skip
@@ -128,13 +128,16 @@ def figure(results: Results) -> Figure:
     return drawn
 
 
-_NAMES = {"m/V": "metres a volt"}
+_NAMES = {"m/V": "sensitivity (m/V)"}
+#: quantities in the table of pooled coverage
+_LONG = {"stiffness": "stiffness", "drag": "drag", "m/V": "displacement sensitivity"}
 
 
 def block(results: Results) -> str:
     """Its part of the page, between its markers."""
     steady = next(study for study in results["studies"] if study["kind"] == "steady")
     fluid = next(study for study in results["studies"] if study["kind"] == "fluid")
+    series = next(study for study in results["studies"] if study["kind"] == "series")
 
     def share(kind: str, wanted: Callable[[str, str], bool]) -> str:
         numbers, inside = pooled(results, kind, wanted)
@@ -150,28 +153,29 @@ def block(results: Results) -> str:
         for quantity in QUANTITIES
     }
     across = share("steady", lambda by, _: by.startswith("z, ") and "uncertain" not in by)
-    explained = (
-        f"{steady['records']} records of a {2e6 * RADIUS:g} um bead at each height are drawn "
-        "exactly, with the mobilities of the exact series along (x) and across (z) the wall; "
-        f"{steady['samples']:,} samples, {steady['rate'] / 1e3:g} kHz, a trap of "
-        f"{1e6 * steady['stiffness']:g} pN/um. Counted is how often the 95 % interval holds what "
-        "is true, as above. With the height given, it holds the stiffness in "
-        f"{known['stiffness']}, the drag in {known['drag']} and the metres a volt in "
-        f"{known['m/V']}; across the wall all of them in {across}. With a height that is off by "
-        "a tenth of the gap, one standard uncertainty of which is said: "
-        f"{share('steady', lambda by, _: 'uncertain' in by)}. With a driven stage, which needs no "
-        f"drag ({fluid['records']} records, as of those that follow): "
-        f"{share('driven', lambda by, _: True)}. With the inertia of the fluid, at "
-        f"{fluid['rate'] / 1e3:g} kHz, the records have the drag of the flow that the wall "
-        f"reflects: {share('fluid', lambda by, _: 'pylake' not in by)}; by lumicks.pylake "
-        f"{results['pylake']}, which has the usual formula for the drag along a wall, "
-        f"{share('fluid', lambda by, _: 'pylake' in by)}. The wall found by records at five "
-        "heights, where the drag far away and by how much the bead moves with the focus are given "
-        f"or fitted: {share('series', lambda by, of: True)} (its bias is over the nearest height)."
+    pooled_shares = [
+        *((f"given height, {name}", known[quantity]) for quantity, name in _LONG.items()),
+        ("given height, across the wall, all quantities", across),
+        ("uncertain height", share("steady", lambda by, _: "uncertain" in by)),
+        ("driven stage", share("driven", lambda by, _: True)),
+        ("fluid inertia, tweezer", share("fluid", lambda by, _: "pylake" not in by)),
+        (
+            f"fluid inertia, lumicks.pylake {results['pylake']}",
+            share("fluid", lambda by, _: "pylake" in by),
+        ),
+        ("five heights", share("series", lambda by, _: True)),
+    ]
+    sampled = (
+        f"The trap has {1e6 * steady['stiffness']:g} pN/um. With a given or uncertain height there "
+        f"are {steady['records']} recordings at each height, with {steady['samples']:,} samples at "
+        f"{steady['rate'] / 1e3:g} kHz. Driven stage and fluid inertia have {fluid['records']} "
+        f"recordings each, those with fluid inertia at {fluid['rate'] / 1e3:g} kHz. There are "
+        f"{series['records']} series of five heights."
     )
     lines = [
-        *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
-        "![Coverage of calibrations beside a wall](figures/bench-heights.png)",
+        *textwrap.wrap(sampled, 110), "",
+        *pages.markdown(("all recordings of a kind", "coverage"), pooled_shares), "",
+        *pages.tables(tables(results))[:-1],
     ]  # fmt: skip
     return pages.block("heights", lines, results["machine"])
 

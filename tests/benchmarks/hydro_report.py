@@ -17,7 +17,7 @@ from tweezer.plots import style
 #: ways of the figure
 WAYS = ("volts", "pylake", "pylake, as called", "volts, no inertia", "pylake, no inertia")
 NAMES = {
-    "volts": "ours", "volts, no inertia": "ours, no inertia", "diode_frequency": "diode, f3",
+    "volts": "tweezer", "volts, no inertia": "tweezer, no inertia", "diode_frequency": "diode, f3",
     "diode_fraction": "diode, a", "exposure": "blur",
 }  # fmt: skip
 
@@ -25,24 +25,24 @@ NAMES = {
 def tables(results: Results) -> list[list[list[str]]]:
     """Of each kind of records; the first row of each is that of the headings."""
     studies = results["studies"]
-    headings = ["inside, %", "bias, sd", "bias, %", "+-, %"]
+    headings = ["coverage, %", "bias, sd", "bias, %", "+-, %"]
     passive = [study for study in studies if study["kind"] == "passive"]
     return [
         [
-            ["in volts: bead; rate; by", "k: inside, %", "bias, sd", "+-, %", "m/V: inside, %",
-             "bias, sd", "+-, %"],
+            ["in volts: bead; rate; program", "k: coverage, %", "bias, sd", "+-, %",
+             "m/V: coverage, %", "bias, sd", "+-, %"],
             *(row for study in passive for row in _in_volts(study)),
         ],
         [
-            ["in metres, all of them together: quantity; by", *headings[:2]],
+            ["in metres, all studies: quantity; method", *headings[:2]],
             *_pooled_rows(passive),
         ],
         [
-            ["detector; quantity", "seen in", *headings],
+            ["detector; quantity", "determined", *headings],
             *(row for study in studies if study["kind"] == "detector" for row in _rows(study)),
         ],
         [
-            ["stage; quantity; by", "seen in", *headings],
+            ["stage; quantity; program", "determined", *headings],
             *(row for study in studies if study["kind"] == "driven" for row in _rows(study)),
         ],
     ]  # fmt: skip
@@ -152,34 +152,23 @@ def figure(results: Results) -> Figure:
 
 
 def block(results: Results) -> str:
-    """Its part of the page, between its markers."""
+    """Return the block: pooled coverage, and the tables of each kind of recordings."""
     first = results["studies"][0]
-    ours = _share(pooled(results, "passive", "volts"))
-    theirs = _share(pooled(results, "passive", "pylake"))
-    drag = _share(pooled(results, "passive", "power spectrum, drag fitted"))
-    driven = _share(pooled(results, "driven", "volts"))
-    seen = _share(pooled(results, "detector", "drag fitted", "stiffness"))
-    explained = (
-        f"{first['records']} records of each kind are drawn exactly, with the spectrum of a bead "
-        "of polystyrene in water with inertia, all its aliases, and a trap of "
-        f"{1e6 * first['stiffness']:.0f} pN/um; {first['samples']:,} samples each. Counted is how "
-        "often the 95 % interval holds what is true. Bias: the mean deviation, in standard "
-        "uncertainties (sd) and in percent; +-: the mean standard uncertainty. In volts the drag "
-        f"is given and the metres a volt are fitted: {ours} of the intervals hold, by "
-        f"lumicks.pylake {results['pylake']}, its hydrodynamic model up to 0.45 of the rate with "
-        f"ten aliases on each side (a model of its own, which its calibrations do not take), "
-        f"{theirs}: ten are not quite enough. As it is called, it has no aliases and goes to "
-        "23 kHz. Without the inertia of the fluid the intervals of both hold nothing. In metres "
-        f"the drag is fitted too: {drag} of its intervals hold. With a detector that is fitted, "
-        f"{seen} of the stiffnesses; with a driven stage, which gives drag and metres a volt, "
-        f"{driven} of all three. Seen in: the records that determine the quantity; of the others "
-        "it is said that they do not. A stage in a fluid without inertia, before a diode that is "
-        "fitted: the diode hides most of the error."
+    pooled_shares = [
+        ("in volts, tweezer", pooled(results, "passive", "volts")),
+        (f"in volts, lumicks.pylake {results['pylake']}", pooled(results, "passive", "pylake")),
+        ("in metres, fitted drag", pooled(results, "passive", "power spectrum, drag fitted")),
+        ("fitted detector, stiffness", pooled(results, "detector", "drag fitted", "stiffness")),
+        ("driven stage, all three quantities", pooled(results, "driven", "volts")),
+    ]
+    sampled = (
+        f"There are {first['records']} recordings of each kind, with {first['samples']:,} samples "
+        f"each, in a trap of {1e6 * first['stiffness']:.0f} pN/um."
     )
-    lines = [
-        *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
-        "![Bias and coverage of calibrations of fast records](figures/bench-hydro.png)",
-    ]  # fmt: skip
+    shares = pages.markdown(
+        ("all studies of a kind", "coverage"), [(name, _share(of)) for name, of in pooled_shares]
+    )
+    lines = [*textwrap.wrap(sampled, 110), "", *shares, "", *pages.tables(tables(results))[:-1]]
     return pages.block("hydro", lines, results["machine"])
 
 

@@ -28,7 +28,7 @@ def committed(name: str) -> Results:
 def markdown(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     """Return the lines of a table with its numbers aligned to the right.
 
-    `ValueError` if a row is not as long as the headings.
+    Raise `ValueError` if a row and the headings differ in length.
     """
     rule = ["---", *["---:"] * (len(headings) - 1)]
     whole = [headings, rule, *rows]
@@ -45,9 +45,9 @@ def tables(each: Iterable[Sequence[Sequence[str]]]) -> list[str]:
 
 def left_out(what: Mapping[str, Mapping[str, Iterable[str]]], note: str = "") -> list[str]:
     """Return what a benchmark omits: a list for each reason, an item for each motion or well."""
-    lines = [] if what else ["", "Left out: nothing."]
+    lines = [] if what else ["", "Nothing was omitted."]
     for why, of in what.items():
-        lines += ["", f"Left out ({why}{note}):", ""]
+        lines += ["", f"Omitted ({why}{note}):", ""]
         for where, each in of.items():
             item = f"- {f'{where}: ' if where else ''}{'; '.join(each)}"
             lines += textwrap.wrap(item, 110, subsequent_indent="  ", break_on_hyphens=False)

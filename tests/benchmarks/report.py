@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import Any
 
 import numpy as np
@@ -15,27 +14,26 @@ from matplotlib.lines import Line2D
 
 from tests.benchmarks import pages, waves_report
 from tests.benchmarks.force import BANDS, STARTS, Results
-from tests.benchmarks.waves import FULL
 from tweezer.plots import style
 
 KINDS = ("inside", "edge", "outside", "far", STARTS)
 _ROWS = (
     ("quadrature at 1e-8, µs", "quadrature_us"),
-    ("at its slowest place, µs", "quadrature_at_the_slowest_place_us"),
+    ("at its slowest position, µs", "quadrature_at_the_slowest_place_us"),
     ("its largest error", "quadrature_largest_error"),
     ("NumPy, 7644 rays, µs", "numpy_us"),
-    ("times slower", "numpy_over_quadrature"),
+    ("NumPy time / quadrature time", "numpy_over_quadrature"),
     ("grid, 7644 rays, µs", "grid_us"),
     ("its median error", "grid_median_error"),
     ("its largest error", "grid_largest_error"),
     ("map at 1e-7, ns", "map_ns"),
     ("with the Jacobian, ns", "map_with_jacobian_ns"),
-    ("error, of largest force", "map_largest_error_over_largest_force"),
+    ("error / largest force", "map_largest_error_over_largest_force"),
     ("waves at 1e-8, µs", "waves_us"),
     ("its largest error", "waves_largest_error"),
     ("waves' map at 1e-7, ns", "waves_map_ns"),
     ("with the Jacobian, ns", "waves_map_with_jacobian_ns"),
-    ("error, of largest force", "waves_map_largest_error_over_largest_force"),
+    ("error / largest force", "waves_map_largest_error_over_largest_force"),
 )
 
 _ONE_RAY = ("force", "with_gradient", "roots_and_divisions")
@@ -52,7 +50,7 @@ _STYLES = {
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """By kind of place, and what does not depend on it; the first row is that of the headings."""
+    """Return the tables by position and of single numbers, with the headings in the first row."""
     figures = [results["headline"]["by_place"][kind] for kind in KINDS]
     by_place = [
         ["", *KINDS],
@@ -61,7 +59,7 @@ def tables(results: Results) -> list[list[list[str]]]:
             for label, key in _ROWS
         ),
     ]
-    return [by_place, [["", ""], *_apart(results)], *waves_report.tables(results["waves"])]
+    return [by_place, [["", ""], *_apart(results)]]
 
 
 def _cell(key: str, value: float) -> str:
@@ -74,16 +72,16 @@ def _apart(results: Results) -> list[list[str]]:
     starts, first = figures["grid_at_thesis_start_us"], figures["first_force_s"]
     return [
         [
-            f"thesis's grid at the starting points of {', '.join(starts)}",
+            f"the thesis's grid at the starting points of {', '.join(starts)}",
             f"{', '.join(map(rounded, starts.values()))} µs",
         ],
-        ["a ray that hits", f"{rounded(figures['ray_that_hits_ns'])} ns"],
+        ["one ray that hits the bead", f"{rounded(figures['ray_that_hits_ns'])} ns"],
         [
-            "rays in a row: force, with gradient, two roots and two divisions alone",
+            "one ray of a row: force; force and gradient; only two roots and two divisions",
             f"{', '.join(rounded(ray[key]) for key in _ONE_RAY)} ns",
         ],
-        ["map at 1e-7, made", f"{rounded(figures['map_made_s'])} s"],
-        ["map at 1e-7, loaded", f"{rounded(1e3 * figures['map_loaded_s'])} ms"],
+        ["map at 1e-7, time to build", f"{rounded(figures['map_made_s'])} s"],
+        ["map at 1e-7, time to load", f"{rounded(1e3 * figures['map_loaded_s'])} ms"],
         [
             f"first force in a fresh process, caches warm: {', '.join(first)}",
             f"{', '.join(map(rounded, first.values()))} s",
@@ -92,7 +90,7 @@ def _apart(results: Results) -> list[list[str]]:
 
 
 def rounded(value: float) -> str:
-    """Two digits."""
+    """Return a number with two digits."""
     return f"{float(f'{value:.1e}'):g}"
 
 
@@ -152,36 +150,10 @@ def _explain(axes: Axes) -> None:
 
 
 def block(results: Results) -> str:
-    """Its part of the page, between its markers."""
-    bands = ", ".join(f"{kind} {low:g} to {high:g}" for kind, (low, high) in BANDS.items())
-    explained = (
-        "Time per position on one core, and errors relative to the force there (or to 1e-6 of the "
-        "largest force where it is smaller). Columns: distance from the focus in radii of the "
-        f"990 nm bead ({bands}), and the thesis's three starting points. NumPy is the thesis's "
-        "sum as a user would write it, grid the same sum in tweezer. Where the grid's largest "
-        "error is 1, none of its rays hits. Waves are the exact force of unpolarised light, at the "
-        "same places."
-    )
-    of_waves = (
-        "Waves: the four beads at "
-        f"{FULL.beads} places to 20 radii, and silica in the light of `silica-1um` by "
-        "diameter (inside 0 to 0.7 radii, edge 0.7 to 1.6, outside 1.6 to 5, far 5 to 20), beside "
-        "rays, for which sizes are alike. NumPy is a sum of partial waves as a user would write "
-        f"it, one place after the other and in batches of {FULL.summed}, inside, beside ours of no "
-        f"larger error. The map is read in batches of {FULL.read}. "
-        f"{waves_report.beyond(results['waves'])}{waves_report.of_fatcuda(results['waves'])}"
-    )
-    lines = [
-        *textwrap.wrap(explained, 110),
-        "",
-        *pages.tables(tables(results)[:2]),
-        *textwrap.wrap(of_waves, 110),
-        "",
-        *pages.tables(tables(results)[2:]),
-        "![Error against time of the force](figures/bench-force.png)",
-    ]
-    return pages.block("force", lines, results["machine"])
+    """Return the block of rays and of all forces by position."""
+    return pages.block("force", pages.tables(tables(results))[:-1], results["machine"])
 
 
 if __name__ == "__main__":
     pages.renew("force", block, figure)
+    pages.quote("waves", waves_report.block(pages.committed("force")))

@@ -49,10 +49,12 @@ from tests.benchmarks import (
     report,
     scaling,
     scaling_report,
+    summary_report,
     sweep,
     sweep_report,
     view_report,
     wall_report,
+    waves_report,
 )
 from tests.benchmarks.timing import Call, in_fresh_process, per_item
 from tweezer import cli
@@ -219,10 +221,19 @@ def test_places_are_where_they_say():
 def test_page_quotes_the_committed_results(committed):
     quoted = pages.quoted("force")
     assert quoted == report.block(committed)
+    assert pages.quoted("waves") == waves_report.block(committed)
     assert not committed["quick"]
     (times,) = re.findall(r"\| quadrature at 1e-8, µs \|(.*)\|", quoted)
     measured = [committed["headline"]["by_place"][kind]["quadrature_us"] for kind in report.KINDS]
     assert [float(cell) for cell in times.split("|")] == pytest.approx(measured, rel=0.05)
+
+
+def test_summary_page_quotes_the_committed_results():
+    """Every result has a row, but for the tracks that are an example on another page."""
+    quoted = pages.quoted("overview")
+    assert quoted == summary_report.overview()
+    results = {path.stem for path in (pages.ROOT / "tests/benchmarks/results").glob("*.json")}
+    assert set(re.findall(r"\| `(\w+)` \w{8}\+? \|", quoted)) == results - {"real_tracks"}
 
 
 def test_figure_shows_errors_of_zero(committed):

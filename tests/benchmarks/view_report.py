@@ -27,8 +27,8 @@ def tables(results: Results) -> list[list[list[str]]]:
         for each in results["pages"]
     ]  # fmt: skip
     return [
-        [["page of", "size, MB", "written in, s", "frames a second", "CPU of a frame, ms",
-          "messages in the console"], *rows],
+        [["page", "size, MB", "time to write, s", "frames per second",
+          "processor time per frame, ms", "console messages"], *rows],
     ]  # fmt: skip
 
 
@@ -46,23 +46,16 @@ def figure(results: Results) -> Figure:
 
 
 def block(results: Results) -> str:
-    """Its part of the page, between its markers."""
+    """Return the block: the window, the load of the machine, and the table of pages."""
     width, height = results["window"]
-    explained = (
-        f"Pages of {results['scene']} in Chromium without a graphics card, in a window of {width} "
-        f"times {height} pixels. Written is from the file of the result to that of the page, all "
-        "modules being loaded; the processor time of a frame is that of all processes of the "
-        "browser, on all cores."
-    )
+    shown = f"The scene is {results['scene']}, and the window has {width} by {height} pixels."
     if results["load_before"] > BUSY:
-        explained += (
+        shown += (
             " Other programs used the machine at the time (load average "
-            f"{results['load_before']:.0f}): the processor time tells more than the frames."
+            f"{results['load_before']:.0f}), so the processor time is more reliable than the frame "
+            "rate."
         )
-    lines = [
-        *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
-        "![Frames a second](figures/bench-view.png)",
-    ]  # fmt: skip
+    lines = [*textwrap.wrap(shown, 110), "", *pages.tables(tables(results))[:-1]]
     return pages.block("view", lines, results["machine"])
 
 

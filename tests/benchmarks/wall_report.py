@@ -24,12 +24,12 @@ def tables(results: Results) -> list[list[list[str]]]:
     bias = [
         _biases(results, key, heading)
         for key, heading in (
-            ("mean", "bias of the mean gap, %: step over T"),
-            ("low", "of the time below a tenth of it, %"),
+            ("mean", "bias of the mean gap, %: step / T"),
+            ("low", "bias of the time below a tenth of it, %: step / T"),
         )
     ]
     passages = [
-        ["passage, mean gaps", "mean gap, radii", "exact, s", "beads", "off, %"],
+        ["passage, in mean gaps", "mean gap, radii", "exact time, s", "beads", "deviation, %"],
         *(
             [
                 f"{of['begin']:g} to {of['end']:g}",
@@ -40,7 +40,7 @@ def tables(results: Results) -> list[list[list[str]]]:
         ),
     ]  # fmt: skip
     inertia = [
-        ["step over tau", "free flight, radii", "mean gap, %", "low, %"],
+        ["step / tau", "free flight, radii", "bias of the mean gap, %", "low, %"],
         *(
             [f"{of['ratio']:g}", f"{of['flight']:.2g}", _with_error(of["mean"], of["mean_error"]),
              _with_error(of["low"], of["low_error"])]
@@ -48,7 +48,7 @@ def tables(results: Results) -> list[list[list[str]]]:
         ),
     ]  # fmt: skip
     steps = [
-        ["step by the map", "walls", "ns", "rate over that without"],
+        ["step with the map", "walls", "ns", "rate / rate without a wall"],
         *(
             [f"{of['model']}, {of['method']}", _WALLS[of["walls"]], f"{of['ns']:.0f}",
              f"{of['rate']:.2f}"]

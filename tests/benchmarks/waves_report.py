@@ -1,17 +1,17 @@
-"""The tables of the force benchmark about waves, and their part of its figure."""
+"""Tables of wave optics from the force benchmark, their block, and their part of its figure."""
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Iterable
-from typing import Any
 
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 
+from tests.benchmarks import pages
+from tests.benchmarks.pages import Results
 from tests.benchmarks.waves import BANDS, TOLERANCE
 from tweezer.plots import style
-
-Results = dict[str, Any]
 
 #: (size of the bead in um, longest time in us inside) of the thesis's beads
 _WANTED = {"thesis-500nm": (0.5, 4), "thesis-990nm": (1, 5), "thesis-1950nm": (2, 10)}
@@ -19,7 +19,7 @@ _BAND_STYLES = dict(zip(("inside", "edge", "outside", "far"), style.SERIES, stri
 
 
 def tables(waves: Results) -> list[list[list[str]]]:
-    """Wanted and measured; the four beads; by size; maps; sums of others."""
+    """Return the tables of goals, the four beads, sizes, maps, and sums written in NumPy."""
     return [_done(waves), _beads(waves), _by_size(waves), _maps(waves), _others(waves)]
 
 
@@ -32,9 +32,9 @@ def _done(waves: Results) -> list[list[str]]:
         for key in ("numpy_over_quadrature", "numpy_in_batches_over_quadrature")
     )
     rows = [
-        ["error at 1e-8, to 20 radii", "1e-8", _largest(beads.values(), "largest_error")],
+        ["error at 1e-8, up to 20 radii", "1e-8", _largest(beads.values(), "largest_error")],
         [
-            "true error over estimated",
+            "true error / estimated error",
             "10",
             _two(1 / min(bead["least_estimate_over_error"] for bead in beads.values())),
         ],
@@ -42,8 +42,12 @@ def _done(waves: Results) -> list[list[str]]:
             [f"inside, {size:g} µm, µs", f"{wanted}", _two(beads[name]["us"])]
             for name, (size, wanted) in _WANTED.items()
         ),
-        ["with the Jacobian, times as long", "2", _two(ratio)],
-        ["map to 5 µm: read, ns", "60", _two(max(size["map"]["read_ns"] for size in mapped))],
+        ["time with the Jacobian / without", "2", _two(ratio)],
+        [
+            "reading a map, beads to 5 µm, ns",
+            "60",
+            _two(max(size["map"]["read_ns"] for size in mapped)),
+        ],
         [
             "with the Jacobian, ns",
             "80",
@@ -51,7 +55,7 @@ def _done(waves: Results) -> list[list[str]]:
         ],
         *(
             [
-                f"made, to {largest:g} µm, s",
+                f"building a map, beads to {largest:g} µm, s",
                 f"{wanted:g}",
                 _two(max(size["map"]["made_s"] for size in mapped if _between(size, *bounds))),
             ]
@@ -59,19 +63,19 @@ def _done(waves: Results) -> list[list[str]]:
             if any(_between(size, *bounds) for size in mapped)
         ),
         [
-            "certified, of largest force",
+            "certified error of a map / largest force",
             "1e-7",
             f"{max(size['map']['certified_over_largest_force'] for size in mapped):.1e}",
         ],
     ]
     least = [
-        ["NumPy, place by place, times slower", "300", _two(min(one))],
-        ["NumPy, in batches, times slower", "300", _two(min(batches))],
+        ["NumPy, one position after another, time / tweezer", "300", _two(min(one))],
+        ["NumPy, in batches, time / tweezer", "300", _two(min(batches))],
     ]
     return [
-        ["waves", "wanted", "largest measured"],
+        ["waves", "goal", "largest measured"],
         *rows,
-        *([name, f"{wanted} or more", f"least {value}"] for name, wanted, value in least),
+        *([name, f"at least {wanted}", f"smallest {value}"] for name, wanted, value in least),
     ]
 
 
@@ -85,9 +89,12 @@ def _largest(entries: Iterable[Results], key: str) -> str:
 
 def _beads(waves: Results) -> list[list[str]]:
     rows: list[tuple[str, Callable[[Results], str]]] = [
-        ("largest error, to 20 radii", lambda bead: f"{bead['largest_error']:.1e}"),
-        ("least estimate over error", lambda bead: _two(bead["least_estimate_over_error"])),
-        ("truth, off plane waves by", lambda bead: f"{bead['truth_off_plane_waves']:.0e}"),
+        ("largest error, up to 20 radii", lambda bead: f"{bead['largest_error']:.1e}"),
+        ("smallest estimate / error", lambda bead: _two(bead["least_estimate_over_error"])),
+        (
+            "reference, deviation from plane waves",
+            lambda bead: f"{bead['truth_off_plane_waves']:.0e}",
+        ),
         ("inside, µs", lambda bead: _two(bead["us"])),
         ("with the Jacobian, µs", lambda bead: _two(bead["with_jacobian_us"])),
     ]
@@ -111,14 +118,14 @@ def _by_size(waves: Results) -> list[list[str]]:
 
 def _maps(waves: Results) -> list[list[str]]:
     rows: list[tuple[str, Callable[[Results], str]]] = [
-        ("made, ms", lambda of: _two(1e3 * of["made_s"])),
-        ("loaded, ms", lambda of: _two(1e3 * of["loaded_s"])),
-        ("read, ns", lambda of: _two(of["read_ns"])),
+        ("time to build, ms", lambda of: _two(1e3 * of["made_s"])),
+        ("time to load, ms", lambda of: _two(1e3 * of["loaded_s"])),
+        ("reading, ns", lambda of: _two(of["read_ns"])),
         ("with Jacobian, ns", lambda of: _two(of["with_jacobian_ns"])),
         ("reach, µm", lambda of: _two(of["reach_um"])),
         ("pieces", lambda of: f"{of['pieces']}"),
-        ("certified", lambda of: f"{of['certified_over_largest_force']:.0e}"),
-        ("error", lambda of: f"{of['error_over_largest_force']:.0e}"),
+        ("certified error / largest force", lambda of: f"{of['certified_over_largest_force']:.0e}"),
+        ("error / largest force", lambda of: f"{of['error_over_largest_force']:.0e}"),
     ]
     mapped = [size for size in waves["sizes"] if size["map"]]
     return [
@@ -132,10 +139,10 @@ def _others(waves: Results) -> list[list[str]]:
         ("NumPy, µs", lambda of: _two(of["us"])),
         ("in batches, µs", lambda of: _two(of["in_batches_us"])),
         ("error", lambda of: f"{of['largest_error']:.0e}"),
-        ("ours, µs", lambda of: _two(of["quadrature_us"])),
+        ("tweezer, µs", lambda of: _two(of["quadrature_us"])),
         ("error", lambda of: f"{of['quadrature_largest_error']:.0e}"),
-        ("times slower", lambda of: _two(of["numpy_over_quadrature"])),
-        ("in batches", lambda of: _two(of["numpy_in_batches_over_quadrature"])),
+        ("NumPy time / tweezer time", lambda of: _two(of["numpy_over_quadrature"])),
+        ("in batches / tweezer", lambda of: _two(of["numpy_in_batches_over_quadrature"])),
     ]
     summed = [size for size in waves["sizes"] if size["numpy"]]
     return [
@@ -145,27 +152,37 @@ def _others(waves: Results) -> list[list[str]]:
 
 
 def beyond(waves: Results) -> str:
-    """Where errors are larger than the tolerance, in one sentence; "" if nowhere."""
+    """Return a sentence on errors above the tolerance, or "" if there are none."""
     found = [
-        f"{size['diameter_um']:g} µm {band}"
+        f"{size['diameter_um']:g} µm ({band})"
         for size in waves["sizes"]
         for band, of in size["bands"].items()
         if of["largest_error"] > TOLERANCE
     ]
-    return f"Errors above the tolerance: {', '.join(found)}. " if found else ""
+    return f"The error exceeds the tolerance at {', '.join(found)}. " if found else ""
 
 
 def of_fatcuda(waves: Results) -> str:
-    """In one sentence."""
+    """Return a sentence on fatcuda, or that it was not measured."""
     if (found := waves["fatcuda"]) is None:
         return (
-            "fatcuda, another program of wave optics (the extra `fatcuda`), runs on Python 3.12 or "
-            "newer, and is left out here."
+            "fatcuda, another wave-optics program (the extra `fatcuda`), requires Python 3.12 or "
+            "newer and was not measured here."
         )
     return (
-        f"fatcuda, another program of wave optics, takes {_two(found['us'])} µs a place in a batch "
-        f"for the 1 µm bead, with an error of {found['largest_error']:.0e}."
+        f"fatcuda, another wave-optics program, takes {_two(found['us'])} µs per position in a "
+        f"batch for the 1 µm bead, with an error of {found['largest_error']:.0e}."
     )
+
+
+def block(results: Results) -> str:
+    """Return the block of wave optics by bead size."""
+    waves = results["waves"]
+    lines = [
+        *pages.tables(tables(waves)),
+        *textwrap.wrap(f"{beyond(waves)}{of_fatcuda(waves)}", 110),
+    ]
+    return pages.block("waves", lines, results["machine"])
 
 
 def draw(panels: Iterable[Axes], waves: Results) -> None:
