@@ -13,9 +13,9 @@ PAGE = Path(__file__).parents[1] / "docs" / "materials.md"
 SHOWN = (532, 633, 1064)
 FORMULAS = {
     "sellmeier": "Sellmeier's formula: ",
-    "powers": "powers of the wavelength: ",
-    "value": "one value",
-    "table": "a table",
+    "powers": "Powers of the wavelength: ",
+    "value": "One value",
+    "table": "Table",
 }
 
 
@@ -64,11 +64,10 @@ def _of_sources() -> list[str]:
     lines = []
     for each in materials().values():
         low, high = each.measured
-        span = f"measured from {low:g} to {high:g} µm" if high > low else f"measured at {low:g} µm"
-        formula = f"{FORMULAS[each.formula]}{_terms(each)}"
+        span = f"Measured from {low:g} to {high:g} µm" if high > low else f"Measured at {low:g} µm"
         lines.append(
-            f"- **{each.name}**: {each.source}; {span}; {formula}. {each.note} "
-            f"Density: {each.density_source}."
+            f"- **{each.name}**: {each.source}. {span}. {FORMULAS[each.formula]}{_terms(each)}. "
+            f"{each.note} Density: {each.density_source}."
         )
     return lines
 
@@ -83,7 +82,7 @@ def _terms(material: Material) -> str:
 
 def _of_objectives() -> list[str]:
     rows = [
-        "| `--objective` | NA | f (mm) | radius of the pupil (mm) | such as |",
+        "| `--objective` | NA | f (mm) | radius of the pupil (mm) | example |",
         "| --- | --- | --- | --- | --- |",
     ]
     for each in OBJECTIVES.values():
@@ -96,7 +95,7 @@ def _of_objectives() -> list[str]:
 
 
 def _of_lasers() -> list[str]:
-    rows = ["| `--laser` | what it is | power that is taken |", "| --- | --- | --- |"]
+    rows = ["| `--laser` | type | default power |", "| --- | --- | --- |"]
     return rows + [f"| `{each.name}` | {each.kind} | {each.power} |" for each in LASERS.values()]
 
 

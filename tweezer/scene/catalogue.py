@@ -60,12 +60,12 @@ OBJECTIVES = {
 LASERS = {
     each.name: each
     for each in (
-        Laser("1064 nm", 1064e-9, "50 mW", "Nd:YAG, or a fibre doped with ytterbium"),
+        Laser("1064 nm", 1064e-9, "50 mW", "Nd:YAG or ytterbium-doped fibre"),
         Laser("980 nm", 980e-9, "50 mW", "diode"),
         Laser("850 nm", 850e-9, "30 mW", "diode"),
-        Laser("830 nm", 830e-9, "30 mW", "diode, or titanium-sapphire"),
+        Laser("830 nm", 830e-9, "30 mW", "diode or titanium-sapphire"),
         Laser("785 nm", 785e-9, "30 mW", "diode"),
         Laser("633 nm", 632.8e-9, "5 mW", "helium-neon"),
-        Laser("532 nm", 532e-9, "20 mW", "Nd:YAG, its frequency doubled"),
+        Laser("532 nm", 532e-9, "20 mW", "frequency-doubled Nd:YAG"),
     )
 }
