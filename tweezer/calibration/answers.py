@@ -1,4 +1,4 @@
-"""Data of a fit beside the spectrum: responses to a driven stage, and a drag from elsewhere."""
+"""Evidence for a fit in addition to the spectrum: responses to a moving stage, and a known drag."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tweezer.calibration.spectra import TrappedBead
 
 @dataclass(frozen=True)
 class Answer:
-    """Amplitude of a bead's signal at one frequency of a moving stage, or in a narrow band."""
+    """Amplitude of a bead's response at one frequency of a moving stage, or in a narrow band."""
 
     frequency: float
     """frequency of the stage, Hz"""
@@ -25,11 +25,11 @@ class Answer:
     signal_uncertainty: float
     """standard uncertainty of `signal`, from the thermal motion around it, m or V"""
     phase: float
-    """phase lead of the signal before the stage, rad"""
+    """phase by which the signal leads the stage, rad"""
 
     @property
     def response(self) -> complex:
-        """Complex ratio of signal to motion of the stage: V/m, or a number for a signal in m."""
+        """Complex ratio of signal to stage motion: V/m, or dimensionless for a signal in m."""
         return cmath.rect(self.signal / self.stage, self.phase)
 
     @property
@@ -45,9 +45,9 @@ class Answer:
         return (self.signal - per_metre * self.stage) / error
 
     def late(self, bead: TrappedBead) -> tuple[float, float]:
-        """Return the phase lag of the signal, of either sign, and its standard uncertainty, rad.
+        """Return the phase lag of the signal behind that of `bead`, and its uncertainty, rad.
 
-        The lag is relative to the signal of `bead`.
+        The lag may be negative. A reversed sign of the signal, a phase of pi, is ignored.
         """
         behind = cmath.phase(complex(bead.driven(self.frequency))) - self.phase
         error = math.hypot(
@@ -66,7 +66,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class KnownDrag:
-    """Drag that is known from elsewhere, with an uncertainty."""
+    """Drag that is known independently of the recording, with an uncertainty."""
 
     drag: float
     """drag of the bead, kg/s"""
@@ -78,5 +78,5 @@ class KnownDrag:
         return math.log(bead.drag / self.drag) / self.uncertainty
 
     def per(self, _: float) -> KnownDrag:
-        """Return this drag unchanged, because it does not depend on the detector."""
+        """Return this drag unchanged, because it does not depend on the signal's unit."""
         return self

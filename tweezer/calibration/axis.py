@@ -33,25 +33,26 @@ from tweezer.values.printed import printed, signal_unit
 
 #: Largest relative uncertainty of a stiffness that counts as determined.
 _UNCERTAIN = 0.3
-#: Shortest record for displacements and a potential, in relaxation times: in shorter ones too many
-#: estimates that look determined are wrong.
+#: Shortest record for displacements and a potential, in relaxation times. In shorter records too
+#: many estimates that look determined are wrong.
 _FEW = 100.0
-#: Largest deviation from the stiffness by the power spectrum, in standard uncertainties.
+#: Largest deviation from the stiffness by the power spectrum without a finding, in standard
+#: uncertainties.
 _APART = 4.0
-#: Deviation of the phase of an answer that is said, in standard uncertainties and in rad.
+#: Phase lag of a response above which a finding reports it, in standard uncertainties and in rad.
 _LATE = (5.0, 0.02)
 
 #: Largest number of frequencies that are listed
 _TOLD = 3
-#: Motion across a wall, of the gap, from which on it is said: a standard deviation
+#: Standard deviation of the motion across a wall, over the gap, above which a finding reports it
 _ROAMING = 0.3
 
 
 def along(record: Record) -> AxisCalibration:
     """Return the calibration of a trap along one axis from its record.
 
-    The spectrum is fitted first. Its fit then corrects and tests the other estimates. For a record
-    in volts, or with a drive, all numbers after the fit are in true metres.
+    The spectrum is fitted first; the fit then corrects and tests the other estimates. For a record
+    in volts, or with a drive, all numbers after the fit are in metres.
     """
     known, answers = record.known, record.answers
     step, unit = record.recording.step, record.recording.unit
@@ -62,13 +63,13 @@ def along(record: Record) -> AxisCalibration:
     fit = fits.fit
     detector = tuple(fit.detected(name) for name in known.detector.fitted)
     scaled, response = "response" in fit.free, fit.bead.response
-    if scaled:  # from here on in metres
+    if scaled:  # in metres hereafter
         signal, fits, resolution = signal / response, fits.per(response), resolution / response
     bead = fits.fit.bead
     own = _spectrum_fit(fits.fit)
     of_free = own if fits.free is fits.fit else _spectrum_fit(fits.free)
     findings = _findings(record, signal, fits, resolution)
-    # a drift slower than all frequencies of the spectral fits does not affect them
+    # a drift slower than all frequencies of the spectral fits does not affect these fits
     beyond = known.left_out.fit_range[0] > (
         (known.left_out.cosines(len(signal), step) + SLOW) / (2 * len(signal) * step)
     )
@@ -106,14 +107,15 @@ def along(record: Record) -> AxisCalibration:
 
 
 def _findings(record: Record, positions: Array, fits: Fits, resolution: float) -> list[Finding]:
-    """Return the findings about the record: first its digits, then its motion.
+    """Return the findings about the record, first those about its digits, then about its motion.
 
-    `positions` (n,), m, are the record without drift and bands, `fits` the fits of its spectrum and
-    `resolution`, m, the step of its digits. A run of tweezer has no findings about digits.
+    `positions` (n,), m, are the record without drift and excluded bands, `fits` the fits of its
+    spectrum and `resolution`, m, the step of its digits. A simulated run has no findings about
+    digits.
     """
     detector, recording = record.known.detector, record.recording
     findings = examine(positions, recording.step, fits, detector.exposure_known, resolution)
-    if recording.scene is not None:  # its digits are not those of a file
+    if recording.scene is not None:  # a simulated run has not been rounded for a file
         return findings
     harmless = HARM * math.sqrt(relative_variance_of_variance(fits.fit.bead, fits.whole))
     shown = digits.of_axis(
@@ -127,9 +129,9 @@ def _numbers(
 ) -> Iterator[tuple[str, tuple[float, float], list[Finding]]]:
     """Yield each method with its stiffness and its uncertainty (N/m), and its findings.
 
-    `positions` (n,), m, are the record without drift and bands, `fits` the fits of its spectrum and
-    `resolution`, m, the step of its digits. `slow` are findings of a drift that does not affect the
-    spectral fits, but all other methods.
+    `positions` (n,), m, are the record without drift and excluded bands, `fits` the fits of its
+    spectrum and `resolution`, m, the step of its digits. `slow` contains findings about a drift
+    that affects all methods except the spectral fits.
     """
     scene, step = record.recording.scene, record.recording.step
     fit, bead, made_by = fits.fit, fits.fit.bead, []
@@ -150,7 +152,7 @@ def _numbers(
     if fits.free is not fit:
         yield "power spectrum, drag fitted", by_spectrum(fits.free), made_by
     yield "equipartition", equipartition(positions, fits), slow
-    if fit.free in (STIFFNESS, MOTION):  # else there is more that is as uncertain
+    if fit.free in (STIFFNESS, MOTION):  # otherwise more parameters were fitted
         lags = lags_of(len(positions), step, bead)
         missing = record.known.left_out.missing(bead, len(positions), step)
         found = displacement(positions, step, bead, lags, missing, record.drag_known)
@@ -167,10 +169,10 @@ def _numbers(
 def _disagreeing(
     fit: WhittleFit, answers: tuple[Answer, ...], response: float
 ) -> Iterator[Finding]:
-    """Yield a finding if answers at several frequencies contradict each other.
+    """Yield a finding if responses at several frequencies contradict each other.
 
-    They do if the fitted bead differs from them by more than their uncertainties. `response`, V/m
-    or a number, divides their signal, as it does in `fit`.
+    The test is whether the fitted bead differs from them by more than their uncertainties. Their
+    signal is divided by `response`, V/m or 1, as in `fit`.
     """
     squares = sum(each.per(response).misfit(fit.bead) ** 2 for each in answers)
     if len(answers) > 1 and chdtrc(len(answers) - 1, squares) < IMPROBABLE:
@@ -181,9 +183,9 @@ def _disagreeing(
 def _jumping(fit: WhittleFit, step: float, jumps: float) -> Iterator[Finding]:
     """Yield a finding for a stage that jumps between samples, if this affects the sensitivity.
 
-    `jumps` is the fraction of the stage's path in jumps. Whether the stage jumps just after a
-    sample or just before the next one changes the amplitude of an answer by `step`, s, over the
-    relaxation time, half of it to either side.
+    `jumps` is the fraction of the stage's path that is covered in jumps. A jump may occur at any
+    time between two samples, which changes the amplitude of a response by up to `step`, s, over the
+    relaxation time: half of it in either direction.
     """
     off = jumps * step / (2 * fit.bead.relaxation_time)
     if off >= HARM * fit.uncertainty(0, 0, 1):
@@ -194,7 +196,7 @@ def _jumping(fit: WhittleFit, step: float, jumps: float) -> Iterator[Finding]:
 
 
 def _unfollowed(frequencies: tuple[float, ...]) -> Iterator[Finding]:
-    """Yield a remark about `frequencies`, Hz, at which the stage's sensor has noise, if any."""
+    """Yield a finding about `frequencies`, Hz, at which only the stage's sensor shows motion."""
     if frequencies:
         at = " and ".join(f"{each:.3g}" for each in frequencies[:_TOLD])
         more = " and more" if len(frequencies) > _TOLD else ""
@@ -205,7 +207,7 @@ def _unfollowed(frequencies: tuple[float, ...]) -> Iterator[Finding]:
 
 
 def _roaming(bead: TrappedBead, height: Height | None) -> Iterator[Finding]:
-    """Yield a remark if thermal motion across a wall changes the height of a bead by much."""
+    """Yield a finding if thermal motion across a wall changes the height of a bead by much."""
     if height is None or not bead.across:
         return
     deviation = math.sqrt(Boltzmann * bead.temperature / bead.stiffness)
@@ -218,10 +220,10 @@ def _roaming(bead: TrappedBead, height: Height | None) -> Iterator[Finding]:
 
 
 def _late(fit: WhittleFit, answers: tuple[Answer, ...], response: float) -> Iterator[Finding]:
-    """Yield a remark about the first answer whose phase differs from that of the fitted bead.
+    """Yield a finding about the first response whose phase differs from that of the fitted bead.
 
-    `response`, V/m or a number, divides the signal of the answers, as it does in `fit`. Only the
-    amplitudes of the answers are used in fits.
+    The signal of the responses is divided by `response`, V/m or 1, as in `fit`. Fits use only the
+    amplitudes, so a phase error reveals a delay of the signal or of the stage's sensor.
     """
     for each in answers:
         late, error = each.per(response).late(fit.bead)
@@ -235,7 +237,7 @@ def _late(fit: WhittleFit, answers: tuple[Answer, ...], response: float) -> Iter
             return
 
 
-#: Words for what is not determined: the parameter, what bounds it, and its unit.
+#: Texts on parameters that are not determined: the parameter, the side of its limit, and its unit.
 _WORDS = {
     "exposure": ("the exposure", "below", "ms"),
     "diode_frequency": ("the frequency of a diode", "above", "kHz"),
@@ -245,9 +247,9 @@ _WORDS = {
 
 
 def _undetermined(detector: tuple[Detected, ...], unit: str) -> Iterator[Finding]:
-    """Yield remarks about fitted detector parameters that the record does not determine.
+    """Yield findings about fitted detector parameters that the record does not determine.
 
-    `unit` is that of the recording, "m" or "V".
+    `unit` is the unit of the recording, "m" or "V".
     """
     unseen = [each for each in detector if each.value is None]
     if any(each.name == "diode_frequency" for each in unseen):
@@ -260,7 +262,7 @@ def _undetermined(detector: tuple[Detected, ...], unit: str) -> Iterator[Finding
 
 
 def _spectrum_fit(fit: WhittleFit) -> SpectrumFit:
-    """Return the public result of a spectral fit, with standard uncertainties in SI."""
+    """Return the public form of a spectral fit, with standard uncertainties in SI units."""
     bead = fit.bead
     return SpectrumFit(
         bead,

@@ -1,4 +1,4 @@
-"""Results of several axes, by number or by the name of the axis."""
+"""Results of several axes, accessible by number or by the name of the axis."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pydantic_core import CoreSchema, core_schema
 
 
 class _OfAxis(Protocol):
-    """Any result that belongs to one axis."""
+    """Result that belongs to one axis."""
 
     @property
     def axis(self) -> str:
@@ -20,7 +20,7 @@ T = TypeVar("T", bound=_OfAxis)
 
 
 class ByAxis(tuple[T, ...]):
-    """Results of several axes: `axes[0]`, or `axes["x"]`."""
+    """Results of several axes, accessible as `axes[0]` or `axes["x"]`."""
 
     __slots__ = ()
 

@@ -150,7 +150,7 @@ def calibrated(recording: Recording, setup: Setup) -> Calibration:
     axes: dict[str, AxisCalibration] = {}
     for record in records:
         beside = record.beside
-        # a record in volts without drag or drive takes the drag of the first axis
+        # a record in volts without drag or drive uses the drag fitted along the first axis
         if axes and not record.answers and recording.unit == "V" and known.drag is None:
             beside = (_told_by(next(iter(axes.values())), record.axis, known.wall),)
         if record.axis in known.drags and known.wall is not None and not known.exact:
@@ -178,7 +178,7 @@ def calibrated(recording: Recording, setup: Setup) -> Calibration:
 
 
 def _records(recording: Recording, known: Known) -> list[Record]:
-    """Return the record of each axis; driven axes come first and give the drag of the others."""
+    """Return the record of each axis; driven axes come first, because they determine the drag."""
     drive = None
     if recording.drive is not None:
         drive = Drive.of(recording.drive, recording.step)
@@ -195,7 +195,7 @@ def _records(recording: Recording, known: Known) -> list[Record]:
     unmeasured = digits.of_samples(recording.positions) if recording.scene is None else ()
     records = []
     for axis, signal in zip(recording.axes, recording.positions.T, strict=True):
-        # signal without answers to the stage, the answers, and frequencies of the sensor's noise
+        # signal without responses to the stage, the responses, frequencies of the sensor's noise
         still, answers, unfollowed = drive.answers(signal) if drive else (signal, (), ())
         records.append(
             Record(recording, axis, known, still, answers, drive, unfollowed, unmeasured)
@@ -206,9 +206,9 @@ def _records(recording: Recording, known: Known) -> list[Record]:
 
 
 def _told_by(other: AxisCalibration, axis: str, height: Height | None) -> KnownDrag:
-    """Return the drag along `axis` as evidence, from the calibration of another axis.
+    """Return the drag along `axis` as evidence for a fit, from the calibration of another axis.
 
-    Beside a wall, at the known height, the drags of two axes differ by the ratio of mobilities.
+    Beside a wall, at the known height, the drags along two axes differ by the ratio of mobilities.
     """
     fit = other.free_fit
     assert fit.drag_uncertainty is not None
@@ -219,10 +219,10 @@ def _told_by(other: AxisCalibration, axis: str, height: Height | None) -> KnownD
 def _free(
     recording: Recording, known: Known, records: list[Record], axes: ByAxis[AxisCalibration]
 ) -> Diffusion | None:
-    """Return the diffusion along the axes without a detected trap; None if there are none.
+    """Return the diffusion along the axes without a detected trap; None without such an axis.
 
-    `known` are bead, medium and detector, and `axes` the calibrations with the findings against a
-    trap. Findings about the samples of `recording` are included.
+    `known` contains bead, medium and detector, and `axes` the calibrations with their findings.
+    Findings about the samples of `recording` are included.
     """
     detector, left, drag = known.detector, known.left_out, known.drag
     mobilities = (
@@ -245,9 +245,9 @@ def _free(
 
 
 def in_metres(recording: Recording, calibration: Calibration) -> Recording:
-    """Return the recording as it was calibrated: in metres, without drift and left-out bands.
+    """Return the recording as it was calibrated: in metres, without drift and excluded bands.
 
-    The answers of the bead to a drive are removed too.
+    Responses of the bead to a drive are removed, too.
     """
     moved = None if recording.drive is None else Drive.of(recording.drive, recording.step)
     columns = [

@@ -1,7 +1,7 @@
-"""Findings from the digits and the order of samples, before any physics of a bead.
+"""Findings about the digits and the order of samples, which involve no physics of a bead.
 
-A recording whose samples repeat, are copies, or are not in order has a spectrum that no physical
-cause explains. These findings replace those that would name one.
+If samples are repeated, copied or out of order, the spectrum has no physical explanation. These
+findings then replace findings that would name a physical cause.
 """
 
 from __future__ import annotations
@@ -16,28 +16,28 @@ from tweezer.reading import copied, step_of, unmeasured
 from tweezer.values.arrays import Array
 from tweezer.values.printed import printed, signal_unit
 
-#: Physical findings that samples which were not measured also cause
+#: Names of physical findings that can also be caused by samples that were not measured
 _CAUSED = {"noise", "blur", "exposure", "spectrum", "drag", "halves", "line", "drift"}
 #: Largest fraction of the variance of displacements that rounding may cause without a finding
 _ROUNDED = 0.05
 #: Smallest standard deviation of displacements at which rounding errors are independent (with a
 #: correlation of 1 %), in steps of the digits
 _INDEPENDENT = 0.5
-#: Smallest ratio of a known noise to that of rounding that includes it
+#: Smallest ratio of the known noise to the rounding noise at which the former includes the latter
 _INCLUDED = 0.8
-#: Largest number of beads whose rows may be in turn
+#: Largest number of beads whose rows may alternate
 _MOST_IN_TURN = 8
-#: Number of samples in which rows of beads in turn are searched
+#: Number of samples that are searched for alternating rows
 _ENOUGH = 20_000
-#: For rows of n beads in turn, the largest ratio of the mean squared displacement over n rows to
-#: the one over a single row
+#: Largest ratio of the mean squared displacement over n rows to that over one row, if the rows of n
+#: beads alternate
 _IN_TURN = 0.5
-#: Largest correlation of displacements of different beads; for one that oscillates in so many rows
-#: it is a third or more
+#: Largest correlation between displacements of different beads; for one bead that oscillates with a
+#: period of that many rows it is a third or more
 _APART = 0.2
-#: Number of steps over which independent samples have no autocorrelation
+#: Number of lags at which independent samples have no autocorrelation
 _LAGS = 16
-#: Largest autocorrelation at these lags that counts as zero, in its standard deviation
+#: Largest autocorrelation at these lags that counts as zero, in standard deviations
 _NONE = 4.0
 
 
@@ -91,7 +91,7 @@ def of_axis(
 
 
 def first(digits: Sequence[Finding], physical: Sequence[Finding]) -> list[Finding]:
-    """Return the findings about `digits`, then the `physical` ones that they do not explain."""
+    """Return the findings about `digits`, then the `physical` ones that these do not explain."""
     if not digits:
         return list(physical)
     caused = _CAUSED | ({"stuck"} if "rounded" in [each.name for each in digits] else set())
@@ -102,8 +102,8 @@ def _rounded(positions: Array, noise: float, unit: str, error: float) -> Finding
     """Return a finding if rounding of `positions` (n,), m or V, adds to their motion.
 
     `noise` is the known noise, m or V, `unit` "m" or "V", and `error` the relative uncertainty of
-    the variance that is harmless. Where the bead moves by half a digit or more in a step, rounding
-    is white noise, which may be part of the known noise.
+    the variance that is harmless. If the bead moves by half a digit or more per step, rounding is
+    white noise, which may be part of the known noise.
     """
     step = step_of(positions)
     variance, moved = float(np.var(positions)), float(np.var(np.diff(positions)))
@@ -121,10 +121,10 @@ def _rounded(positions: Array, noise: float, unit: str, error: float) -> Finding
 
 
 def _in_turn(positions: Array) -> Finding | None:
-    """Return a finding if `positions` (n,) look like rows of several beads in turn.
+    """Return a finding if `positions` (n,) look like alternating rows of several beads.
 
-    Then each sample continues the one that many samples before, and displacements of different
-    beads are independent.
+    Each sample then continues the sample of the same bead some rows before, and displacements of
+    different beads are independent.
     """
     positions = positions[:_ENOUGH]
     for beads in range(2, _MOST_IN_TURN + 1):
@@ -143,9 +143,9 @@ def _in_turn(positions: Array) -> Finding | None:
 
 
 def _shuffled(positions: Array) -> Finding | None:
-    """Return a finding if samples are independent and not Gaussian, as in a wrong order.
+    """Return a finding if samples are independent and not Gaussian, as if out of order.
 
-    Independent samples of a trapped bead would be Gaussian. `positions` is (n,).
+    Independent samples of a trapped bead would be Gaussian. `positions` has the shape (n,).
     """
     away = positions - positions.mean()
     if _autocorrelation(away, _LAGS).max() > _NONE / math.sqrt(len(away)):

@@ -21,23 +21,23 @@ from tweezer.calibration.following import Followed, jumping
 from tweezer.calibration.spectra import power_spectrum, within
 from tweezer.values.arrays import Array, Complex
 
-#: Largest number of frequencies of a drive
+#: Largest number of frequencies of an oscillating stage
 _MOST_LINES = 8
-#: Smallest amplitude of a frequency that counts as driven, of the largest.
+#: Smallest amplitude of a driven frequency, over the largest amplitude.
 _WEAKEST = 0.03
-#: Smallest power of it over the medians on both sides.
+#: Smallest power of a driven frequency, over the medians on both sides.
 _DISTINCT = 1e3
-#: Number of ordinates of such a side, and their distance.
+#: Number of ordinates on each side, and their distance from the frequency.
 _SIDE = 7
-#: Part of a drift that is only its rounding.
+#: Motion that counts as rounding of a linear drift, over the extent of the drift.
 _ROUNDING = 1e-6
-#: Accuracy of a frequency, in 1/t of the record.
+#: Accuracy of a frequency, over the inverse duration of the record.
 _FINE = 1e-4
-#: Smallest number of periods in a record.
+#: Smallest number of periods of the drive in a record.
 _LEAST_PERIODS = 5
-#: Smallest amplitude of an answer that counts as one, in standard uncertainties.
+#: Smallest amplitude of a visible response, in standard uncertainties.
 _SEEN = 5.0
-#: Number of ordinates on each side of a line that its thermal motion is measured by.
+#: Number of ordinates on each side of a line from which the thermal motion is measured.
 _AROUND = 50
 
 
@@ -45,8 +45,8 @@ def driven_frequencies(drive: Array, step: float) -> list[float]:
     """Return the frequencies, Hz, at which a stage oscillates, the strongest first.
 
     `drive` (n,), m, are positions of the stage every `step`, s. The largest ordinate of the
-    spectrum (Hann's window) that exceeds both sides is a frequency. It is refined, its oscillation
-    subtracted, and the search repeated. Empty if the stage does not oscillate.
+    spectrum (Hann window) that exceeds both sides is a frequency. It is refined, its oscillation is
+    subtracted, and the search is repeated. A stage that does not oscillate has no frequencies.
     """
     from scipy.fft import rfft
     from scipy.ndimage import median_filter
@@ -79,7 +79,7 @@ def driven_frequencies(drive: Array, step: float) -> list[float]:
 def strongest_line(signal: Array, step: float, band: tuple[float, float]) -> float | None:
     """Return the frequency, Hz, in a band at which a signal (n,) is strongest.
 
-    `step`, s, is the sampling interval. None if no Fourier frequency of the signal is in the band.
+    `step`, s, is the sampling interval. Returns None if no Fourier frequency is in the band.
     """
     from scipy.fft import rfft
     from scipy.signal.windows import hann
@@ -93,9 +93,10 @@ def strongest_line(signal: Array, step: float, band: tuple[float, float]) -> flo
 
 
 def _refined(windowed: Array, peak: int, step: float) -> tuple[float, float]:
-    """Return the frequency, Hz, near ordinate number `peak` with the largest Fourier sum, and that.
+    """Return the frequency, Hz, near ordinate `peak` that maximises the Fourier sum, and this sum.
 
-    `windowed` (n,) is a signal times a window, sampled every `step`, s. The sum has its unit.
+    `windowed` (n,) is a signal multiplied by a window, sampled every `step`, s. The sum has the
+    unit of the signal.
     """
     times = np.arange(len(windowed)) * step
 
@@ -110,10 +111,10 @@ def _refined(windowed: Array, peak: int, step: float) -> tuple[float, float]:
 
 
 def whole_periods(frequencies: Sequence[float], samples: int, step: float) -> int:
-    """Return the number of samples that is nearest to whole periods of all frequencies, Hz.
+    """Return the number of samples that best contains whole periods of all frequencies, Hz.
 
-    It is at most `samples` and at most one period of the lowest frequency less. `step`, s, is the
-    sampling interval.
+    It is at most `samples`, and smaller by at most one period of the lowest frequency. `step`, s,
+    is the sampling interval.
     """
     lengths = np.arange(max(samples - math.ceil(1 / (min(frequencies) * step)), 2), samples + 1)
     periods = np.outer(frequencies, lengths * step)
@@ -121,11 +122,11 @@ def whole_periods(frequencies: Sequence[float], samples: int, step: float) -> in
 
 
 def motion(signal: Array, frequencies: Sequence[float], step: float) -> tuple[Complex, Array]:
-    """Return the oscillations in a signal (n,) at given frequencies, Hz, by least squares.
+    """Return the oscillations of a signal (n,) at given frequencies, Hz, by least squares.
 
-    The first result are complex amplitudes c, (frequencies,), of Re(c e^(i w t)), with w = 2 pi
-    frequency and t from 0 in steps of `step`, s. The second is the sum (n,) of these oscillations
-    and the mean of the signal.
+    The first result contains complex amplitudes c (frequencies,) of Re(c e^(i w t)), with w = 2 pi
+    times the frequency, and t from 0 in steps of `step`, s. The second is the sum (n,) of these
+    oscillations and the mean of the signal.
     """
     angles = 2 * np.pi * step * np.outer(frequencies, np.arange(len(signal)))
     waves = np.vstack([np.ones(len(signal)), np.cos(angles), np.sin(angles)])
@@ -136,16 +137,16 @@ def motion(signal: Array, frequencies: Sequence[float], step: float) -> tuple[Co
 
 @dataclass(frozen=True)
 class Drive:
-    """Motion of a stage in one record."""
+    """Motion of the stage in one record, separated into oscillations and other motion."""
 
     frequencies: tuple[float, ...]
-    """Hz, frequencies at which the stage oscillates; empty for other motion"""
+    """frequencies at which the stage oscillates, Hz; empty for other motion"""
     amplitudes: Complex
     """(frequencies,) complex amplitudes of these oscillations, m"""
     uncertainty: Array
     """(frequencies,) standard uncertainty of the real and of the imaginary part, m"""
     beside: Array
-    """(samples,) m, the motion at all other frequencies"""
+    """(samples,) motion of the stage without these oscillations, m"""
     step: float
     """sampling interval, s"""
     jumps: float
@@ -162,7 +163,7 @@ class Drive:
         frequencies = driven_frequencies(drive, step)
         samples = whole_periods(frequencies, len(drive), step) if frequencies else len(drive)
         amplitudes, moved = motion(drive[:samples], frequencies, step)
-        still = detrend(raw[:samples] - moved)  # parts of a period have a slope of their own
+        still = detrend(raw[:samples] - moved)  # an incomplete period has a slope of its own
         spectrum = power_spectrum(still, step)
         error = [_thermal(spectrum, frequencies, each) for each in frequencies]
         return cls(
@@ -170,10 +171,10 @@ class Drive:
         )  # fmt: skip
 
     def answers(self, signal: Array) -> tuple[Array, tuple[Answer, ...], tuple[float, ...]]:
-        """Separate a signal (n,), m or V, into its answers to the drive and the remainder.
+        """Separate a signal (n,), m or V, into its responses to the drive and the remainder.
 
-        Returns the remainder (samples,), the answers that are large enough to be seen, and the
-        frequencies, Hz, at which the sensor of the stage has noise that the bead does not follow.
+        Returns the remainder (samples,), the visible responses, and the frequencies, Hz, at which
+        the stage's sensor has noise that the bead does not follow.
         """
         signal = signal[: len(self.beside)]
         amplitudes, moved = motion(signal, self.frequencies, self.step)
@@ -184,9 +185,9 @@ class Drive:
         return still, (*self._lines(amplitudes, still), *followed.answers), followed.noise
 
     def _lines(self, amplitudes: Complex, still: Array) -> list[Answer]:
-        """Return the answers at the frequencies of the drive that are seen.
+        """Return the visible responses at the frequencies of the drive.
 
-        Their uncertainty is by the thermal motion of `still`, the signal without them.
+        Their uncertainty follows from the thermal motion in `still`, the signal without them.
         """
         spectrum = power_spectrum(still, self.step)
         found = []
@@ -194,7 +195,7 @@ class Drive:
             self.frequencies, self.amplitudes, self.uncertainty, amplitudes, strict=True
         ):
             variance = _thermal(spectrum, self.frequencies, f)
-            power = abs(answer) ** 2 - variance  # thermal motion adds to it
+            power = abs(answer) ** 2 - variance  # thermal motion adds its variance to the square
             if power > _SEEN**2 * variance:
                 seen = math.sqrt(power), math.sqrt(variance), cmath.phase(answer / stage)
                 found.append(Answer(f, float(abs(stage)), float(error), *seen))
@@ -204,8 +205,8 @@ class Drive:
 def _thermal(spectrum: tuple[Array, Array], lines: Sequence[float], at: float) -> float:
     """Return the variance of the real part of an amplitude at the frequency `at`, Hz.
 
-    It is S/t, with S the mean density of the `spectrum` (frequencies, Hz, and densities) around
-    it, without other `lines` (Hz), and t the duration of the record.
+    It is S/t, where S is the mean density of the `spectrum` (frequencies, Hz, and densities) around
+    `at`, excluding other `lines` (Hz), and t is the duration of the record.
     """
     frequencies, density = spectrum
     others = np.ones(len(frequencies), bool)

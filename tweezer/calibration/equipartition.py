@@ -1,4 +1,4 @@
-"""Stiffness from the variance of positions, corrected for the parts that a record lacks."""
+"""Stiffness from the variance of positions, corrected for motion that the record lacks."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tweezer.calibration.whittle import STIFFNESS
 from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
 
-#: Distances from a stiffness, in its logarithm, at which another is looked for.
+#: Distances from a stiffness, in its logarithm, to which the search is extended in turn.
 _REACHES = (0.1, 0.5, 2.0, 8.0, 16.0)
 
 
@@ -31,9 +31,9 @@ def equipartition(positions: Array, fits: Fits) -> tuple[float, float]:
 def corrected(k: float, uncertainty: float, fits: Fits) -> tuple[float, float]:
     """Correct a stiffness k = k_B T/(variance of the record), N/m, and its uncertainty, N/m.
 
-    The variance of a record lacks the variance of its mean, the parts that were left out and the
-    motion that the detector does not show, and it contains the detector's noise. These follow from
-    the `fits`, whose uncertainties add to that of k.
+    The variance of a record lacks the variance of its mean, the excluded frequencies and the motion
+    that the detector averages out, and it contains the detector noise. These corrections follow
+    from the `fits`, whose uncertainties add to the uncertainty of k.
     """
     whole, fit, bead = fits.whole, fits.fit, fits.fit.bead
     relative_square = (uncertainty / k) ** 2
@@ -46,7 +46,7 @@ def corrected(k: float, uncertainty: float, fits: Fits) -> tuple[float, float]:
         return k, k * math.sqrt(relative_square)
 
     def shown(stiffness: float) -> float:
-        """Return k_B T/(recorded variance), N/m, for a bead of some true stiffness, N/m."""
+        """Return k_B T/(recorded variance), N/m, for a bead of the given true stiffness, N/m."""
         other = dataclasses.replace(bead, stiffness=stiffness)
         return Boltzmann * bead.temperature / other.variance
 
@@ -64,7 +64,7 @@ def corrected(k: float, uncertainty: float, fits: Fits) -> tuple[float, float]:
         return found, found * math.sqrt(relative_square) / slope
 
     def hidden(other: TrappedBead) -> Array:
-        """Return ln(stiffness times recorded variance), which depends on the detector alone."""
+        """Return ln(stiffness times recorded variance), which depends only on the detector."""
         return np.array(math.log(other.stiffness * other.variance))
 
     found = k * bead.stiffness / shown(bead.stiffness)

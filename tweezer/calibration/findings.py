@@ -25,46 +25,46 @@ from tweezer.values.arrays import Array
 from tweezer.values.printed import printed
 from tweezer.values.rounding import time_taken
 
-#: Probability of such a record from a trapped bead below which a finding is reported.
+#: Probability below which a record of a trapped bead is considered improbable, as a finding.
 IMPROBABLE = 1e-3
-#: Probability below which a p-value that is printed beside the result is a finding.
+#: Probability below which a p-value that is printed with the result is a finding.
 REFUTED = 1e-2
 #: Probability below which a disturbance that shifts an estimate by `HARM` or more is a finding.
 _UNLIKELY = 1e-2
 #: Shift of an estimate that is harmless, in its standard uncertainties.
 HARM = 0.5
-#: Shortest record, in relaxation times: with 21 of them one free bead in a hundred looks trapped
-#: (D. A. Dickey and W. A. Fuller, J. Am. Stat. Assoc. 74, 427 (1979)).
+#: Shortest record, in relaxation times. With a length of 21, one free bead in a hundred looks
+#: trapped (D. A. Dickey and W. A. Fuller, J. Am. Stat. Assoc. 74, 427 (1979)).
 _RELAXATIONS = 30.0
-#: Record that is certainly long enough, in relaxation times.
+#: Length of a record that is certainly sufficient, in relaxation times.
 _LONG = 300.0
 #: Half the width of a 95 % interval of a corner frequency, in standard uncertainties.
 _INTERVAL = 1.96
-#: Lowest frequency of a fit from which on slow motion is left out, in that of one period a record.
+#: Lowest frequency of a fit above which slow motion counts as excluded, over 1/duration.
 _NEXT = 1.5
-#: Fraction of the samples at one extreme value above which the range of the detector may end there.
+#: Fraction of samples at the extreme value above which the detector's range may end there.
 _CLIPPED = 0.01
-#: Smallest ratio of their number to that at the next value; rounding alone gives 1 or less.
+#: Smallest ratio of that number of samples to the number at the next value; by rounding it is <= 1.
 _HEAPED = 2
-#: Number of cosines that describe slow motion: with half a period in the record, one, ...
+#: Number of cosines that describe slow motion, of half a period in the record, one period, ...
 SLOW = 4
-#: Number of half periods in a record up to which a drift looks like lines.
+#: Largest number of half periods in a record at which a drift can resemble a line in the spectrum.
 _SLOWEST = 40
-#: Largest distance of ordinates of one line, and largest number of lines that are listed.
+#: Largest distance between ordinates of the same line, and largest number of lines listed.
 _LINE, _LINES_TOLD = 3, 3
-#: Shift by an unknown exposure, which may be 0, that is harmless, in standard uncertainties.
+#: Harmless shift by an unknown exposure, which may be 0, in standard uncertainties.
 _HARM_IF_ANY = 1.0
-#: Exposures that are tried if none is given, in steps.
+#: Exposures that are tested if none is given, in sampling intervals.
 _EXPOSURES = (1.0, 0.5, 0.25)
 #: Twice the difference of log-likelihoods that excludes an exposure: p = 0.014.
 _NOT_EXCLUDED = 6.0
 #: Highest frequency, Hz, up to which the inertia of a fluid is not suspected.
 _FAST = 5e3
-#: Smallest fraction of a noise variance at which rounding is named as its cause.
+#: Smallest fraction of the noise variance for which a finding names rounding as the cause.
 _BY_ROUNDING = 0.25
 #: Tolerance of the fits in tests.
 _ROUGHLY = 1e-2
-#: Smallest fraction of the information on white noise that is not shared with stiffness and drag.
+#: Smallest fraction of the information on white noise that stiffness and drag do not absorb.
 _DISTINCT = 1e-3
 
 
@@ -76,10 +76,9 @@ class Finding:
     """short name. About the digits: "lost", "repeated", "interpolated", "copied", "rounded",
     "turns", "order"; about the record: "stuck", "clipped", "start", "outlier", "free", "drift",
     "halves", "line", "noise", "blur", "exposure", "spectrum", "drag"; about a number: "one-call",
-    "few", "apart",
-    "undetermined\""""
+    "few", "apart", "undetermined\""""
     text: str
-    """sentence for the user"""
+    """explanation for the user"""
 
 
 def in_words(findings: Iterable[Finding]) -> str:
@@ -89,16 +88,16 @@ def in_words(findings: Iterable[Finding]) -> str:
 
 @dataclass(frozen=True)
 class Fits:
-    """Spectrum of a record, and the fits that tests compare it with."""
+    """Spectrum of a record, and the fits with which tests compare it."""
 
     whole: Periodogram
     """periodogram of the record, up to Nyquist's frequency"""
     fit: WhittleFit
-    """fit with the given drag; `free` if none was given"""
+    """fit with the given drag; the same as `free` if no drag was given"""
     free: WhittleFit
     """fit of stiffness and drag"""
     left_out: LeftOut = NOTHING
-    """drift and bands that are left out of the record"""
+    """drift and bands excluded from the record"""
 
     def per(self, response: float) -> Fits:
         """Return these fits for the signal divided by `response`, V/m or a number."""
@@ -133,7 +132,7 @@ def examine(
     few = _like_a_free_bead(len(positions) * step, fits)
     unsteady = _unsteady(positions, step, fits, few is not None)
     drifts = any(each is not None and each.name == "drift" for each in unsteady)
-    # a drift is mostly at the lowest frequencies
+    # a drift occurs mostly at the lowest frequencies
     slowest = _SLOWEST / (2 * len(positions) * step) if drifts else 0.0
     found = [
         _stray(positions, step),
@@ -149,7 +148,7 @@ def examine(
     for each in found:
         if each:
             named.setdefault(each.name, each)  # two tests detect blur
-    # noise adds motion from sample to sample, exposure removes it
+    # noise adds motion from sample to sample, and an exposure removes it
     hidden = {"blur", "exposure"} if "noise" in named else set()
     if "blur" in named:
         hidden |= {"exposure"}
@@ -157,19 +156,19 @@ def examine(
 
 
 def relative_variance_of_variance(bead: TrappedBead, whole: Periodogram) -> float:
-    """Return the relative variance of the position variance of a record of `bead`.
+    """Return the relative variance of the position variance in a record of `bead`.
 
-    `whole` is the periodogram of the record, whose frequencies count. The variance is a sum of
-    independent, exponentially distributed ordinates.
+    The variance of the positions is a sum of independent, exponentially distributed ordinates, at
+    the frequencies of the periodogram `whole`.
     """
     power = whole.counts * whole.expected(bead)
     return float((power**2 / whole.counts).sum() / power.sum() ** 2)
 
 
 def _stray(positions: Array, step: float) -> Finding | None:
-    """Return a finding for samples that are far from the median, or at the detector's limit.
+    """Return a finding for samples far from the median, or at the limit of the detector's range.
 
-    `positions` (n,) are sampled every `step`, s. Outliers do not shift the median.
+    `positions` (n,) are sampled every `step`, s. The median is not affected by outliers.
     """
     off, deviation = spread(positions)
     farthest = int(off.argmax())
@@ -199,10 +198,10 @@ def _two_largest(numbers: Array) -> tuple[float, float]:
 
 
 def _like_a_free_bead(duration: float, fits: Fits) -> Finding | None:
-    """Return a finding if the record, of `duration` s, looks like that of a free bead.
+    """Return a finding if the record, of `duration` s, is similar to that of a free bead.
 
-    It does if it has too few relaxation times, or if slow motion is left out and the remaining
-    spectrum has no plateau.
+    This is the case if it lasts for too few relaxation times, or if slow motion is excluded and the
+    remaining spectrum has no plateau.
     """
     bead, slowest = fits.free.bead, float(fits.free.periodogram.frequencies[0])
     relaxations = duration / bead.relaxation_time
@@ -221,10 +220,10 @@ def _unsteady(positions: Array, step: float, fits: Fits, looks_free: bool) -> li
 
     `positions` (n,), m, are sampled every `step`, s. The test of drift compares the slowest cosines
     in the record (DCT-II, half a period and more) that were not removed with the spectrum of the
-    remainder. Each cosine is nearly independent and Gaussian with a variance of S/(2 step), where S
-    is the spectral density at its frequency. S is itself fitted, hence Fisher's F. Free diffusion
-    resembles a drift: for a bead that `looks_free`, drift is reported only if the remainder is
-    long.
+    remainder. Each cosine is nearly independent and Gaussian with the variance S/(2 step), where S
+    is the spectral density at its frequency. Fisher's F is used because S is fitted itself. Free
+    diffusion resembles a drift, so for a bead that `looks_free` a drift is reported only if the
+    remainder is long.
     """
     samples, fit = len(positions), fits.fit
     first = 1 + fits.left_out.cosines(samples, step)
@@ -236,7 +235,7 @@ def _unsteady(positions: Array, step: float, fits: Fits, looks_free: bool) -> li
         rest -= cosine
     whole = Periodogram.of(rest, step, fits.whole.without)
     slowest = (first + SLOW) / (2 * samples * step)
-    # the frequencies from which the cosines remove nothing
+    # the frequencies that are not affected by removing the cosines
     kept = (whole.frequencies > max(slowest, fits.left_out.fit_range[0])) & (
         whole.frequencies <= fit.periodogram.frequencies[-1]
     )
@@ -266,7 +265,7 @@ def _unsteady(positions: Array, step: float, fits: Fits, looks_free: bool) -> li
         found.append(Finding("drift", text))
     early, late = np.array_split(rest, 2)
     ratio = float(np.var(early) / np.var(late))
-    of_half = 1 / relative  # degrees of freedom: 2 over the relative variance, twice as large
+    of_half = 1 / relative  # degrees of freedom: 2/(relative variance of half a record)
     p_value = 2 * float(fdtrc(of_half, of_half, max(ratio, 1 / ratio)))
     if p_value < IMPROBABLE:
         text = f"its first half has {ratio:.2g} times the variance of its second"
@@ -278,9 +277,10 @@ def _unsteady(positions: Array, step: float, fits: Fits, looks_free: bool) -> li
 
 
 def _cosine(half_periods: int, samples: int) -> Array:
-    """Return a normalised cosine (samples,) with `half_periods`, which is a row of the DCT-II.
+    """Return a normalised cosine (samples,) with `half_periods` half periods, a row of the DCT-II.
 
-    The angles form a square table, so that each is the sum of a row angle and a column angle.
+    Its angles form a square table, in which each is the sum of a row angle and a column angle. This
+    saves most evaluations of the cosine.
     """
     side = math.isqrt(samples) + 1
     unit = 1j * np.pi * half_periods / samples
@@ -291,7 +291,7 @@ def _cosine(half_periods: int, samples: int) -> Array:
 
 
 def _short_times_differ(first: Array, second: Array) -> bool:
-    """Return whether two parts of a record, (n,) m, differ in their mean squared steps."""
+    """Return whether two parts of a record, (n,), m, differ in their mean squared steps."""
     squares = [np.diff(half) ** 2 for half in (first, second)]
     error = math.hypot(*map(standard_error, squares))
     apart = abs(squares[0].mean() - squares[1].mean())
@@ -303,11 +303,11 @@ def _white(
 ) -> Finding | None:
     """Return a finding for white noise, or for less motion from sample to sample than in the fit.
 
-    `positions` (n,), m, are sampled every `step`, s, and have the `resolution`, m. It is the score
-    test of a constant added to the fitted spectrum (C. R. Rao, Proc. Camb. Philos. Soc. 44, 50
-    (1948)). Above the frequencies of the fit it uses the increments of the positions, whose
-    spectrum does not leak. For an overdamped bead, noise and exposure change the shape of the
-    spectrum only by such a constant, positive or negative.
+    `positions` (n,), m, are sampled every `step`, s, with digits of the `resolution`, m. This is
+    the score test for a constant added to the fitted spectrum (C. R. Rao, Proc. Camb. Philos. Soc.
+    44, 50 (1948)). Above the frequencies of the fit it uses the increments of the positions, whose
+    spectrum has no leakage. For an overdamped bead, noise and exposure change the shape of the
+    spectrum only by such a constant, which may be positive or negative.
     """
     free, part = fits.free, fits.free.periodogram
     increments = Periodogram.of(np.diff(positions), step, fits.whole.without)
@@ -333,7 +333,7 @@ def _white(
     )
     fitting = np.hstack([part.counts * free.slopes, np.zeros((len(free.free), beyond.counts.size))])
     covariance = free.covariance
-    # the information on the constant that is not shared with stiffness and drag
+    # the information on the constant that stiffness and drag do not absorb
     influence = n * per_noise - (slopes @ (n * per_noise)) @ covariance @ fitting
     information = float(influence @ per_noise)
     if information < _DISTINCT * float(n @ per_noise**2):
@@ -378,8 +378,8 @@ def _white(
 def _unknown_exposure(fit: WhittleFit, step: float) -> Finding | None:
     """Return a finding if an exposure that the record does not exclude changes the stiffness.
 
-    The exposures tried are a quarter, half and all of the sampling interval `step`, s. A record
-    that an exposure fits much better than none has a finding too.
+    The exposures tested are a quarter, half and all of the sampling interval `step`, s. There is
+    also a finding if the record agrees much better with an exposure than without.
     """
     exposures = [dataclasses.replace(fit.bead, exposure=part * step) for part in _EXPOSURES]
     exposed = [fitted(fit.periodogram, bead, fit.free, _ROUGHLY) for bead in exposures]
@@ -427,8 +427,8 @@ def spectrum_p_value(fit: WhittleFit) -> float:
 def _line(fits: Fits, above: float) -> Finding | None:
     """Return a finding for motion at single frequencies above `above`, Hz, such as a vibration.
 
-    The ratios of the ordinates of the periodogram to the fitted spectrum are distributed
-    exponentially, so that their largest value can be tested (R. A. Fisher, Proc. R. Soc. A 125, 54
+    The ratios of the periodogram's ordinates to the fitted spectrum are distributed exponentially,
+    which determines the distribution of their largest value (R. A. Fisher, Proc. R. Soc. A 125, 54
     (1929)).
     """
     bead, part = fits.free.bead, fits.free.periodogram
@@ -456,7 +456,7 @@ def _line(fits: Fits, above: float) -> Finding | None:
 
 
 def _spectrum(free: WhittleFit) -> Finding | None:
-    """Return a finding if the spectrum is not that of the fit of stiffness and drag."""
+    """Return a finding if the spectrum disagrees with the fit of stiffness and drag."""
     if spectrum_p_value(free) >= REFUTED:
         return None
     text = "the spectrum is not that of a trapped bead"
@@ -470,7 +470,7 @@ def _spectrum(free: WhittleFit) -> Finding | None:
 def _drag(fits: Fits) -> Finding | None:
     """Return a finding if the given drag contradicts the fitted one.
 
-    It is the test of a likelihood ratio (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938)).
+    This is a likelihood-ratio test (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938)).
     """
     gain = 2 * (fits.free.log_likelihood - fits.fit.log_likelihood)
     if chdtrc(1, max(gain, 0)) >= IMPROBABLE:

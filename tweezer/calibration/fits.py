@@ -28,21 +28,22 @@ from tweezer.calibration.whittle import (
 from tweezer.reading.recording import Recording
 from tweezer.values.arrays import Array
 
-#: First guesses of what a detector does, for a fit: exposure in steps, frequency of a diode in that
-#: of Nyquist and the part that it detects at once, noise in the density at the highest frequencies.
+#: Initial values of fitted detector parameters: exposure in sampling intervals, diode frequency
+#: over the Nyquist frequency, fraction detected without delay, and noise over the density at the
+#: highest frequencies.
 _GUESSES = {
     "exposure": (0.3, 0.8),
     "diode_frequency": (0.2, 0.6, 1.5),
     "diode_fraction": (0.2, 0.6),
     "noise": (0.1, 0.6),
 }
-#: Number of these guesses that a fit is tried from.
+#: Number of these initial values from which a fit is started.
 _TRIED = 2
-#: Smallest number of blocks of that fit.
+#: Smallest number of blocks for such a fit.
 _LEAST_BLOCKS = 50
-#: Highest frequency of a first fit before that of a detector, in units of the roll-off.
+#: Highest frequency of a preliminary fit without the detector, in units of the roll-off.
 _BEFORE_DETECTOR = 2.0
-#: Half the width of the band that is left out about the frequency of a drive, in ordinates
+#: Half the width of the band that is excluded around a drive frequency, in ordinates
 _BESIDE = 1.499
 
 
@@ -54,12 +55,12 @@ class Record:
     axis: str
     known: Known
     signal: Array
-    """(n,) m or V, without its answers to a drive"""
+    """(n,) signal without its responses to a drive, m or V"""
     beside: tuple[Evidence, ...]
-    """evidence beside the spectrum: answers to the drive, and a drag with an uncertainty"""
+    """evidence in addition to the spectrum: responses to the drive, and an uncertain drag"""
     drive: Drive | None
     unfollowed: tuple[float, ...]
-    """frequencies, Hz, at which the column of the stage is the noise of its sensor"""
+    """frequencies, Hz, at which the column of the stage contains only noise of its sensor"""
     unmeasured: tuple[Finding, ...]
     """findings against the samples of all axes"""
 
@@ -70,17 +71,17 @@ class Record:
 
     @cached_property
     def bead(self) -> TrappedBead:
-        """Bead with the known temperature, masses, detector and drag; NaN for unknown numbers."""
+        """Bead with the known temperature, masses, detector and drag; unknown values are NaN."""
         return self.known.bead(self.axis, self.recording.step)
 
     @property
     def answers(self) -> tuple[Answer, ...]:
-        """Answers to the motion of the stage."""
+        """Responses to the motion of the stage."""
         return tuple(each for each in self.beside if isinstance(each, Answer))
 
     @property
     def all_frequencies(self) -> bool:
-        """Whether a fit uses all frequencies up to Nyquist's, where detector and inertia count."""
+        """Whether a fit uses all frequencies, because detector or fluid affect the highest."""
         bead = self.bead
         fitted = self.known.detector.fitted
         return bool(fitted or bead.displaced_mass or bead.diode_frequency or bead.noise)
@@ -91,7 +92,7 @@ class Record:
         return not math.isnan(self.bead.drag)
 
     def periodogram(self, signal: Array) -> Periodogram:
-        """Return the periodogram of a signal (n,), without the drive's lines and left-out bands."""
+        """Return the periodogram of a signal (n,), without the drive's lines and excluded bands."""
         step = self.recording.step
         bin_ = 1 / (len(signal) * step)
         lines = () if self.drive is None else self.drive.frequencies
@@ -101,16 +102,16 @@ class Record:
 
 
 def fits_of(record: Record, signal: Array) -> Fits:
-    """Return the spectral fits of a record with its known drag, and with a free drag.
+    """Return the spectral fits of a record, with its known drag and with the drag fitted.
 
-    `signal` (n,), m or V, is the signal of the record without drift and bands.
+    `signal` (n,), m or V, is the signal of the record without drift and excluded bands.
     """
     detector, left = record.known.detector.fitted, record.known.left_out
     scaled = record.recording.unit == "V" or bool(record.answers)
     whole = record.periodogram(signal)
     low, high = left.fit_range
     ranged = whole[(whole.frequencies >= low) & (whole.frequencies <= high)]
-    # without masses if the signal is not in true metres yet: they are negligible for a first guess
+    # without masses if the signal is not in metres yet: they are negligible for an initial value
     first = record.bead
     if scaled:
         first = dataclasses.replace(first, mass=None, displaced_mass=None, drag=math.nan)
@@ -124,9 +125,9 @@ def fits_of(record: Record, signal: Array) -> Fits:
 def _of_motion(
     record: Record, part: Periodogram, start: TrappedBead
 ) -> tuple[WhittleFit, WhittleFit]:
-    """Return the fits with the known and with a free drag, in metres and for a known detector.
+    """Return the fits with the known and with a fitted drag, in metres, for a known detector.
 
-    `part` is the periodogram of the frequencies to fit, and `start` the first guess.
+    `part` is the periodogram of the frequencies to fit, and `start` the initial bead.
     """
     drag = record.bead.drag
     free = fit = fitted(part, start, MOTION)
@@ -142,10 +143,10 @@ def _of_motion(
 def _of_detector(
     record: Record, part: Periodogram, start: TrappedBead, *, scaled: bool
 ) -> tuple[WhittleFit, WhittleFit]:
-    """Return the fits with the known and with a free drag, with parameters of the detector.
+    """Return the fits with the known and with a fitted drag, including detector parameters.
 
-    `part` is the periodogram of the frequencies to fit, and `start` the first guess, in the unit of
-    the signal. If `scaled`, the response, V/m or a number, is fitted too.
+    `part` is the periodogram of the frequencies to fit, and `start` the initial bead, in the unit
+    of the signal. If `scaled` is true, the response, V/m or 1, is fitted too.
     """
     detector, beside = record.known.detector.fitted, record.beside
     if part.counts.sum() < _LEAST_BLOCKS / 2:
@@ -176,11 +177,11 @@ def _of_detector(
         answers = tuple(each for each in beside if not isinstance(each, KnownDrag))
         if answers == beside or (scaled and not answers):
             return fit, fit
-        # the second fit is of the record alone, without the drag from elsewhere
+        # the second fit uses only the record, without an independently known drag
         return fit, fitted(dataclasses.replace(part, beside=answers), fit.bead, names)
     fit = best(tuple(name for name in names if name != "drag"), starts)
     if scaled and not beside:
-        return fit, fit  # volts a metre follow from the drag
+        return fit, fit  # the response in V/m follows from the drag
     return fit, best(names, [fit.bead])
 
 
@@ -193,10 +194,10 @@ def _evaluated(fit: WhittleFit) -> bool:
 
 
 def _in_metres(start: TrappedBead, given: TrappedBead, beside: tuple[Evidence, ...]) -> TrappedBead:
-    """Return a first guess in metres from the guess `start`, in the unit of the signal.
+    """Return an initial bead in metres, from `start`, which is in the unit of the signal.
 
-    The response, V/m or a number, follows from the largest answer to a drive in `beside`, or from
-    the known drag. `given` has the known drag (or NaN) and masses.
+    The response, V/m or 1, follows from the most significant response to a drive in `beside`, or
+    from the known drag. `given` has the known drag (or NaN) and masses.
     """
     answers = [each for each in beside if isinstance(each, Answer)]
     drags = [each.drag for each in beside if isinstance(each, KnownDrag)]
@@ -214,10 +215,10 @@ def _in_metres(start: TrappedBead, given: TrappedBead, beside: tuple[Evidence, .
 
 
 def _guesses(start: TrappedBead, detector: tuple[str, ...], part: Periodogram) -> list[TrappedBead]:
-    """Return first guesses with all combinations of values of the parameters `detector`.
+    """Return initial beads with all combinations of initial values of the parameters `detector`.
 
-    `start` is the bead, and `part` the periodogram, whose sampling interval and density at the
-    highest frequencies are the units of these values.
+    `start` provides the other parameters. `part` is the periodogram, whose sampling interval and
+    density at the highest frequencies are the units of the initial values.
     """
     nyquist = 0.5 / part.step
     units = {

@@ -23,42 +23,42 @@ from tweezer.calibration.answers import Answer
 from tweezer.calibration.spectra import within
 from tweezer.values.arrays import Array, Complex
 
-#: Part of a record over which both signals fade in and out, so that its ends do not count.
+#: Fraction of a record over which both signals fade in and out, to suppress effects of its ends.
 _FADES = 0.1
-#: Number of rounds in which the bead is fitted to the bands that the previous one predicts.
+#: Number of iterations in which the bead is fitted to the bands predicted by the previous fit.
 _ROUNDS = 4
-#: Smallest number of ordinates in a band, and ratio of its ends.
+#: Smallest number of ordinates in a band, and ratio of its upper to its lower end.
 _LEAST, _BAND = 8, 1.1
-#: Number of ordinates that measure the thermal motion.
+#: Number of ordinates from which the thermal motion is measured.
 _FREEDOM = 40
-#: Smallest amplitude of a response, in standard uncertainties.
+#: Smallest amplitude of a visible response, in standard uncertainties.
 _SEEN = 5.0
-#: A band is noise of the sensor if the predicted response exceeds the first number and the measured
-#: response is below the second one, in standard uncertainties. A bead that was fitted to few bands
-#: may predict several times too much.
+#: A band contains sensor noise if the predicted response exceeds the first number and the measured
+#: response is below the second one, in standard uncertainties. The first is large because a bead
+#: fitted to few bands may predict several times too much.
 _FORETOLD, _ABSENT = 20.0, 3.0
-#: Power of the quietest frequencies over the mean power of white noise.
+#: Ratio of the power at the quietest frequencies of white noise to its mean power.
 _QUIET = 0.565
-#: -ln of the probability that any ordinate of white noise counts as motion.
+#: -ln of the probability that any ordinate of white noise is mistaken for motion.
 _CERTAIN = 5.0
-#: Number of ordinates over which the quietest frequencies are looked for.
+#: Number of ordinates over which a median is taken to find the quietest frequencies.
 _AROUND = 101
-#: Smallest length of a jump of a stage, over the extent of its motion and over the steps beside it.
+#: Smallest length of a jump of a stage, over the extent of its motion and over the adjacent steps.
 _JUMP, _ALONE = 0.05, 3.0
-#: Highest frequency at which a stage that jumps between samples is known, of the rate.
+#: Highest frequency at which the motion of a jumping stage is known, over the sampling rate.
 _OF_JUMPS = 1 / 8
-#: Time before a record that the bead remembers, in relaxation times.
+#: Time before a record whose motion affects it, in relaxation times.
 _REMEMBERED = 20.0
-#: Number of samples, at least, by which a record is extended.
+#: Smallest number of samples by which a record is extended.
 _EXTENDED = 1000
-#: Number of corner frequencies among which the first guess is selected.
+#: Number of corner frequencies that are tried as initial values.
 _CORNERS = 60
 
 
 def jumping(drive: Array) -> float:
-    """Return the fraction of a stage's path that it covers in steps longer than their neighbours.
+    """Return the fraction of a stage's path that is covered by jumps between samples.
 
-    `drive` (n,), m, are the positions of the stage.
+    A jump is a step longer than its neighbours. `drive` (n,), m, are the positions of the stage.
     """
     way = np.abs(np.diff(drive))
     beside = np.maximum(np.append(way[1:], 0.0), np.append(0.0, way[:-1]))
@@ -67,31 +67,30 @@ def jumping(drive: Array) -> float:
 
 
 class _Bands(NamedTuple):
-    """Response of a bead to its stage in the bands of frequencies in which the stage moves."""
+    """Response of a bead to its stage, in the frequency bands in which the stage moves."""
 
     frequencies: Array
-    """(bands,) Hz, mean of the frequencies at which the stage moves, weighted by its power"""
+    """(bands,) mean frequency of the stage's motion, weighted by its power, Hz"""
     response: Complex
-    """(bands,) complex ratio of signal to motion of the stage: V/m, or a number for m"""
+    """(bands,) complex ratio of signal to stage motion: V/m, or dimensionless for a signal in m"""
     uncertainty: Array
     """(bands,) standard uncertainty of the real and of the imaginary part of the response"""
     stage: Array
-    """(bands,) m, amplitude of a single oscillation with the power of the stage in the band"""
+    """(bands,) amplitude of a single oscillation with the stage's power in the band, m"""
     ends: Array
-    """(bands, 2) Hz, lowest and highest frequency of each band"""
+    """(bands, 2) lowest and highest frequency of each band, Hz"""
 
 
 @dataclass(frozen=True)
 class Followed:
-    """Signal of a bead, separated into its answers to the stage and the remaining motion."""
+    """Signal of a bead, separated into its responses to the stage and the remaining motion."""
 
     still: Array
-    """(n,) m or V, the signal about its mean without the motion that follows the stage"""
+    """(n,) signal about its mean, without the motion that follows the stage, m or V"""
     answers: tuple[Answer, ...]
-    """answers in the bands in which the bead visibly follows the stage"""
+    """responses in the bands in which the bead visibly follows the stage"""
     noise: tuple[float, ...] = ()
-    """Hz, mean frequencies of bands in which the stage's sensor sees motion, but the bead does not
-    follow"""
+    """mean frequencies, Hz, of bands in which only the stage's sensor shows motion"""
 
     @classmethod
     def of(
@@ -123,8 +122,8 @@ class Followed:
         followed = np.zeros_like(first)
         for _ in range(_ROUNDS):
             bead = _Nearest.to(bands, first | followed, known, step)
-            # select bands by their expected, not their measured, response: a measured one that is
-            # too large by chance would be selected more often
+            # select bands by their expected response: selection by the measured response would
+            # favour those that are too large by chance
             expected = np.abs(bead.moved(bands.frequencies))
             noise = absent & (expected > _FORETOLD * bands.uncertainty)
             followed = (expected > _SEEN * bands.uncertainty) & ~noise
@@ -139,9 +138,10 @@ class Followed:
 
 
 def _waves(series: Array) -> Complex:
-    """Return the Fourier components (n//2 + 1,) of a series (n,) about its mean, faded at its ends.
+    """Return the Fourier components (n//2 + 1,) of a series (n,) about its mean.
 
-    The fading (Tukey window) suppresses leakage from the ends. The unit is that of the series.
+    The ends of the series fade out (Tukey window), which suppresses leakage. The components have
+    the unit of the series.
     """
     from scipy.fft import rfft
     from scipy.signal.windows import tukey
@@ -152,8 +152,8 @@ def _waves(series: Array) -> Complex:
 def _white(power: Array) -> float:
     """Return the mean power of the white noise of a stage's sensor.
 
-    `power` are the squared Fourier components of the stage. The noise follows from the tenth of
-    the frequencies with the least power, as medians over `_AROUND` neighbours.
+    `power` contains the squared Fourier components of the stage's position. The noise is estimated
+    from the tenth of the frequencies with the least power, as medians over 101 neighbours.
     """
     from scipy.ndimage import median_filter
 
@@ -161,9 +161,10 @@ def _white(power: Array) -> float:
 
 
 def _stands_out(power: Array, noise: float) -> NDArray[np.bool_]:
-    """Return which ordinates of `power` exceed the largest one that white noise may have.
+    """Return which ordinates of `power` exceed the largest one that is plausible for white noise.
 
-    `noise` is the mean power of the noise, in the unit of `power`; the result has their shape.
+    `noise` is the mean power of the noise, in the unit of `power`; the result has the shape of
+    `power`.
     """
     return np.asarray(power > noise * (math.log(len(power)) + _CERTAIN))
 
@@ -171,9 +172,9 @@ def _stands_out(power: Array, noise: float) -> NDArray[np.bool_]:
 def _bands(signal: Array, stage: Array, step: float, highest: float) -> _Bands:
     """Return the response of a signal to its stage in bands up to the frequency `highest`, Hz.
 
-    `signal` (n,), m or V, and `stage` (n,), m, are sampled every `step`, s. Bands without motion of
-    the stage are left out. The response is the least-squares ratio of the Fourier components, the
-    noise of the stage's sensor subtracted from its power.
+    `signal` (n,), m or V, and `stage` (n,), m, are sampled every `step`, s. Bands in which the
+    stage does not move are omitted. The response is the least-squares ratio of the Fourier
+    components, after subtracting the noise of the stage's sensor from its power.
     """
     of_stage, of_signal = _waves(stage), _waves(signal)
     frequencies = np.arange(len(of_stage)) / (len(stage) * step)
@@ -184,7 +185,7 @@ def _bands(signal: Array, stage: Array, step: float, highest: float) -> _Bands:
     edges = [1]
     while edges[-1] < np.searchsorted(frequencies, highest):
         edges.append(max(edges[-1] + _LEAST, math.ceil(edges[-1] * _BAND)))
-    half = (1 - 5 * _FADES / 8) * len(stage) / 2  # sum of the window over two
+    half = (1 - 5 * _FADES / 8) * len(stage) / 2  # half the sum of the window
     rows: list[tuple[Any, ...]] = []
     for first, last in itertools.pairwise(edges):
         within = np.arange(first, min(last, len(power)))
@@ -197,7 +198,7 @@ def _bands(signal: Array, stage: Array, step: float, highest: float) -> _Bands:
         rest = of_signal[within].copy()
         rest[moved[within]] -= response * S
         at = float(power[used] @ frequencies[used]) / float(power[used].sum())
-        # the remainder includes the sensor's noise where the stage moves
+        # the remainder includes the noise of the stage's sensor
         left = float((np.abs(rest) ** 2).sum())
         left += (within.size - used.size) * abs(response) ** 2 * of_sensor
         ends = frequencies[within[0]], frequencies[within[-1]]
@@ -214,11 +215,11 @@ def _bands(signal: Array, stage: Array, step: float, highest: float) -> _Bands:
 
 
 def _smooth(squares: Array, freedom: Array) -> Array:
-    """Return the thermal power of each band, (bands,), averaged with that of its neighbours.
+    """Return the thermal power of each band, (bands,), averaged over neighbouring bands.
 
     `squares` (bands,) are sums of squared Fourier components without the response, and `freedom`
-    (bands,) the numbers of ordinates in them. A band is joined by as many neighbours on both sides
-    as give `_FREEDOM` ordinates.
+    (bands,) the numbers of ordinates in them. Each band is averaged with as many neighbours on both
+    sides as provide 40 ordinates.
     """
     means = np.empty(len(squares))
     for i in range(len(squares)):
@@ -232,17 +233,17 @@ def _smooth(squares: Array, freedom: Array) -> Array:
 
 
 class _Nearest(NamedTuple):
-    """Overdamped bead with a delayed signal, whose response is nearest to a measured one."""
+    """Overdamped bead with a delayed signal, as a model of a measured response."""
 
     corner: float
     """corner frequency of the trap, Hz"""
     late: float
-    """delay of the signal behind the motion of the stage, s"""
+    """delay of the signal relative to the motion of the stage, s"""
     by_position: float
-    """ratio of signal to position of the bead: V/m, or a number for a signal in m"""
+    """ratio of signal to bead position: V/m, or dimensionless for a signal in m"""
 
     def moved(self, frequencies: Array) -> Complex:
-        """Return the complex ratio of signal to motion of the stage at `frequencies` (n,), Hz."""
+        """Return the complex ratio of signal to stage motion at `frequencies` (n,), Hz."""
         follows = 1j * frequencies / (1j * frequencies + self.corner)
         late = np.exp(-2j * np.pi * frequencies * self.late)
         return np.asarray(self.by_position * follows * late)
@@ -251,11 +252,11 @@ class _Nearest(NamedTuple):
     def to(
         cls, bands: _Bands, seen: NDArray[np.bool_], known: Sequence[Answer], step: float
     ) -> _Nearest:
-        """Return the bead whose response is nearest to measured ones, by least squares.
+        """Return the bead whose response is nearest to the measured ones, by least squares.
 
-        The measured responses are those of the bands that are marked in `seen` (bands,), and the
-        `known` answers at other frequencies. The delay is expected to be about one `step`, s. Far
-        below the corner frequency, a delay differs from the relaxation time only by its size.
+        The fit uses the bands selected by `seen` (bands,), and the `known` responses at other
+        frequencies. The delay is expected to be about one `step`, s. Far below the corner frequency
+        only this expectation distinguishes a delay from the relaxation time.
         """
         f = np.append(bands.frequencies[seen], [each.frequency for each in known])
         response = np.append(bands.response[seen], [each.response for each in known])
@@ -284,14 +285,14 @@ def _motion(stage: Array, step: float, signal: Array, bead: _Nearest, noise: Arr
     """Return the part (n,) of a bead's signal that follows the stage, about its mean.
 
     The response of `bead` multiplies the Fourier components of `stage` (n,), m, sampled every
-    `step`, s. The decay of earlier motion is fitted to `signal` (n,) at its beginning. `noise`
-    (bands, 2), Hz, contains the ends of the bands with noise of the stage's sensor.
+    `step`, s. The decay of motion from before the record is fitted to the beginning of `signal`
+    (n,). `noise` (bands, 2), Hz, contains the ends of the bands with noise of the stage's sensor.
     """
     from scipy.fft import irfft, next_fast_len, rfft
 
     n, rate = len(stage), 2 * math.pi * bead.corner
     before = min(max(math.ceil(_REMEMBERED / (rate * step)), _EXTENDED), n - 1)
-    # beyond its ends the motion goes on as it was, and fades
+    # beyond its ends the motion is continued antisymmetrically, and fades
     extended = np.pad(stage - stage.mean(), before, mode="reflect", reflect_type="odd")
     fade = np.sin(np.pi / 2 * np.arange(before) / before) ** 2
     extended[:before] *= fade
@@ -303,10 +304,10 @@ def _motion(stage: Array, step: float, signal: Array, bead: _Nearest, noise: Arr
     of_sensor = _white(power)
     moves = _stands_out(power, of_sensor) & ~within(frequencies, noise)
     waves[~moves] = 0.0
-    waves[moves] *= 1 - of_sensor / power[moves]  # Wiener's filter of the sensor's noise
+    waves[moves] *= 1 - of_sensor / power[moves]  # Wiener filter for the sensor's noise
     waves *= bead.moved(frequencies)
     moved = irfft(waves, length)[before : before + n]
-    # what the stage did before the record is left in it for a while
+    # motion of the stage before the record leaves a response that decays
     left = np.exp(-rate * step * np.arange(min(before, n)))
     off = (signal - moved)[: left.size]
     moved[: left.size] += float(left @ off) / float(left @ left) * left

@@ -1,12 +1,13 @@
-"""Diffusion of a bead that is not trapped, from blurred and noisy positions, and its consequences.
+"""Diffusion of a bead that is not trapped, from blurred and noisy positions.
 
 A bead with the diffusion coefficient D and the drift velocity v is recorded at even times, dt
 apart. Each position is the mean over an exposure W and has a localisation error of variance
-sigma^2. Successive steps, less v dt, have the variance 2 D dt + 2 s and the covariance -s with
-their neighbours, where s = sigma^2 - W D/3, and none with other steps
-(C. L. Vestergaard, P. C. Blainey and H. Flyvbjerg, Phys. Rev. E 89, 022726 (2014)). So D is
-determined for any exposure and error. A sine transform diagonalises the covariance of the steps, so
-that the likelihood is exact.
+sigma^2. Successive steps, less v dt, have the variance 2 D dt + 2 s, where s = sigma^2 - W D/3.
+Neighbouring steps have the covariance -s, and other steps are uncorrelated (C. L. Vestergaard,
+P. C. Blainey and H. Flyvbjerg, Phys. Rev. E 89, 022726 (2014)). D is therefore determined for any
+exposure and error. A sine transform diagonalises the covariance of the steps, so the likelihood is
+exact. Below, A = 2 D dt is the power of the steps at low frequencies, and B = A + 4 s their power
+at the Nyquist frequency.
 """
 
 from __future__ import annotations
@@ -33,40 +34,40 @@ from tweezer.values.printed import in_unit, printed
 from tweezer.values.rounding import with_uncertainty
 from tweezer.values.shown import Card, Row
 
-#: Rise of twice the negative log-likelihood at the ends of a 95 % interval.
+#: Rise of -2 log(likelihood) at the ends of a 95 % interval.
 _LEVEL = 3.841
-#: Largest step of a bead, in standard deviations; a larger one is a jump, and left out.
+#: Largest step of a bead, in standard deviations; a larger step is excluded as a jump.
 _JUMP = 6.0
-#: Largest fraction of the steps that are left out as jumps.
+#: Largest fraction of steps that may be excluded as jumps.
 _FEW_JUMPS = 0.01
 #: Standard deviation of a Gaussian over its median absolute deviation.
 _DEVIATION_PER_MEDIAN = 1.4826
-#: Scatter of steps that is only rounding, of the extent of a record.
+#: Scatter of steps that is rounding alone, over the extent of the record.
 _ROUNDING = 1e-12
 #: Smallest number of steps between two jumps.
 _LEAST_STEPS = 3
-#: Range of ln A about its start, in a fit.
+#: Range of the search for ln A about its initial value.
 _SOUGHT = 5.0
-#: Lowest and highest end of an interval, as logarithms of the ratio to the estimate.
+#: Range of the search for the ends of an interval, as logarithms of the ratio to the estimate.
 _ENDS = (-12.0, 6.0)
 #: Numbers of the slowest ordinates that are compared with the others.
 _SLOW = (4, 16, 64)
-#: Excess kurtosis that is not chance, in its standard deviations.
+#: Excess kurtosis above which the tails are heavy, in standard deviations.
 _TAILED = 4.0
-#: Findings against a trapped bead that a free one can explain.
+#: Findings against a trapped bead that a free bead explains.
 _OBJECTIONS = {"drift", "noise", "spectrum"}
-#: Number of bands of the spectrum whose mean squares are compared.
+#: Number of frequency bands in which the mean squared ordinates are tested.
 _BANDS = 10
 #: Largest number of jumps that are listed.
 _TOLD = 3
-#: Smallest A, in mean squared steps, from which a fit starts.
+#: Smallest initial value of A, in mean squared steps.
 _LEAST_START = 0.05
-#: Smallest squared noise that counts as determined, and distance of its 95 % upper limit, both in
-#: standard uncertainties.
+#: Smallest squared noise that counts as determined, and the distance of its 95 % upper limit, both
+#: in standard uncertainties.
 _SEEN, _ONE_SIDED = 3.0, 1.645
-#: Smallest logarithm of B/A at which only noise is visible.
+#: ln(B/A) above which noise hides the diffusion.
 _NO_DIFFUSION = 12.0
-#: Smallest ratio B/A that an exposure leaves: that of an exposure of the whole step.
+#: Smallest ratio B/A that motion blur can cause, for an exposure of the whole sampling interval.
 _WHOLE_EXPOSURE = 1 / 3
 
 #: Verdict on a bead that was tested for a trap
@@ -79,11 +80,11 @@ class FreeAxis:
 
     axis: str
     diffusion: float
-    """diffusion coefficient of largest likelihood, m^2/s"""
+    """maximum-likelihood diffusion coefficient, m^2/s"""
     interval: tuple[float, float]
     """95 % confidence interval of `diffusion`, m^2/s"""
     by_covariance: float
-    """estimate by the means of squared steps and of products of successive steps, m^2/s"""
+    """estimate from the mean squared step and the mean product of successive steps, m^2/s"""
     by_covariance_uncertainty: float
     """standard uncertainty of `by_covariance`, m^2/s"""
     drift: float
@@ -97,9 +98,9 @@ class FreeAxis:
     """95 % upper limit of the standard deviation of the localisation error, m; None if the exposure
     is unknown"""
     p_value: float
-    """probability of a spectrum of the steps that differs as much or more, in ten bands"""
+    """probability of a spectrum of the steps that differs at least as much from the fit"""
     jumps: tuple[int, ...]
-    """numbers of the samples before which the bead jumped; these steps are left out. Empty for
+    """numbers of the samples before which the bead jumped; these steps are excluded. Empty for
     several tracks"""
 
 
@@ -116,7 +117,7 @@ class FreeTrack:
 
 @dataclass(frozen=True)
 class Inferred:
-    """Unknown quantity that follows from diffusion, temperature and Einstein's relation."""
+    """Unknown quantity that follows from diffusion and temperature by Einstein's relation."""
 
     name: str
     """"viscosity" (Pa s), "radius" (m), "drag" (kg/s) or "Boltzmann" (J/K)"""
@@ -137,7 +138,7 @@ class Diffusion(Result):
     uncertainty: float
     """standard uncertainty of `diffusion`"""
     interval: tuple[float, float]
-    """95 % confidence interval, by the profile of the likelihood; from 0 if no diffusion is seen"""
+    """95 % confidence interval, from the profile likelihood; begins at 0 if no diffusion is seen"""
     inferred: Inferred | None
     """quantity that follows from the diffusion; None without temperature, or for volts"""
     expected: float | None
@@ -151,7 +152,7 @@ class Diffusion(Result):
     tracks: tuple[FreeTrack, ...] = ()
     """results of the single tracks, if there are several"""
     homogeneity: float | None = None
-    """probability of tracks that differ as much or more; None for a single track"""
+    """probability that equal tracks differ at least as much; None for a single track"""
 
     def coefficient(self, unit: str = "m") -> Measured:
         """Return the diffusion coefficient of a recording in "m" or "V"."""
@@ -195,7 +196,7 @@ class Diffusion(Result):
     def line(self, unit: str, seen: str = _NO_TRAP) -> str:
         """Return the diffusion of a recording in "m" or "V" in one line.
 
-        `seen` is the text before the diffusion, about whether a trap was detected.
+        `seen` precedes the diffusion and states whether a trap was detected.
         """
         axes = ", ".join(each.axis for each in self.axes)
         found = _with_interval(self.coefficient(unit), self.interval)
@@ -209,9 +210,10 @@ class Diffusion(Result):
         return "; ".join(parts)
 
     def lines(self, unit: str, seen: str = _NO_TRAP) -> Iterator[str]:
-        """Yield `line`, then the remarks, the findings and the differences between the tracks.
+        """Yield `line`, then the remarks, the findings and the differences between tracks.
 
-        `unit` is that of the positions, "m" or "V"; `seen` is the text before the diffusion.
+        `unit` is the unit of the positions, "m" or "V". `seen` precedes the diffusion and states
+        whether a trap was detected.
         """
         yield self.line(unit, seen)
         for text in (*self.remarks, *(f"not trusted: {each.text}" for each in self.findings)):
@@ -227,7 +229,7 @@ class Diffusion(Result):
 
 
 def _with_interval(found: Measured, ends: tuple[float, float]) -> str:
-    """Return a number with its 95 % interval, with as many digits as its uncertainty leaves."""
+    """Return a number and its 95 % interval, with the digits that its uncertainty justifies."""
     low, high = ends
     if not low or not math.isfinite(high):
         factor, unit = found.of.scale
@@ -258,11 +260,11 @@ class Given(NamedTuple):
 def not_trapped(
     name: str, found: Mapping[str, Sequence[Finding]], positions: Array, step: float, given: Given
 ) -> Diffusion | None:
-    """Return the diffusion along the axes without a detected trap; None if there is no such axis.
+    """Return the diffusion along the axes without a detected trap; None without such an axis.
 
-    `found` contains the findings against a trapped bead for each axis of the positions (n, axes),
-    m, which are sampled every `step`, s. `given` are known properties of the bead.
-    An axis is free if it looks free, or if it has other findings but none against a free bead.
+    `found` has the findings against a trapped bead for each axis of the positions (n, axes), m,
+    sampled every `step`, s. `given` contains known properties of the bead. The bead is free along
+    an axis if it looks free, or if it has findings and all of them are consistent with a free bead.
     """
 
     def fitted(axes: Sequence[str]) -> Diffusion | None:
@@ -329,7 +331,7 @@ def free_bead(
     def misfit(a: float) -> float:
         return sum(fit.misfit(a) for fit in every)
 
-    # best: ln(2 D dt) common to all axes, D in m^2/s and dt the sampling interval in s
+    # best: ln(2 D dt) common to all axes, with D in m^2/s and the sampling interval dt in s
     best, least = _least(misfit, float(np.mean([fit.best for fit in every])))
     informations = [fit.information(best) for fit in every]
     information = sum(informations)
@@ -344,7 +346,7 @@ def free_bead(
     if all(fit.noisy(best) for fit in every):
         low = 0.0
     determined = len(names) > 1 and 0 < low < high < math.inf
-    if determined:  # each drift takes a step of its track
+    if determined:  # fitting a drift uses one step of each track
         error = D * math.log(high / low) / (2 * math.sqrt(_LEVEL))
     findings = [finding for fit in every for finding in fit.findings(step)]
     if determined and not any(each.name == "confined" for each in findings):
@@ -384,9 +386,9 @@ def free_bead(
 def _held(fits: Sequence[_Fit], best: float, freedom: float) -> list[Finding]:
     """Return a finding for tracks that end closer to their beginning than those of free beads.
 
-    A drift can only lead away from the beginning. The test is Fisher's F for the fitted drifts.
-    `best` is ln(2 D dt) common to all axes (D: diffusion, m^2/s; dt: sampling interval, s), and
-    `freedom` the number of degrees of freedom of D.
+    A drift can only increase the distance. The test is Fisher's F for the fitted drifts. `best` is
+    ln(2 D dt), common to all axes, with the diffusion coefficient D, m^2/s, and the sampling
+    interval dt, s. `freedom` is the number of degrees of freedom of D.
     """
     squares = np.concatenate([fit.drifts_squared(best) for fit in fits])
     if float(fdtr(len(squares), freedom, squares.mean())) >= IMPROBABLE:
@@ -401,11 +403,11 @@ def _held(fits: Sequence[_Fit], best: float, freedom: float) -> list[Finding]:
 def _alone(
     fits: Sequence[_Fit], best: float, names: Sequence[str], step: float, wider: float
 ) -> tuple[tuple[FreeTrack, ...], float | None]:
-    """Return the diffusion of each of several tracks, and the p-value of one diffusion for all.
+    """Return the diffusion of each of several tracks, and the p-value of a common diffusion.
 
-    `best` is ln(2 D dt) for the D, m^2/s, of all tracks and the sampling interval dt = `step`, s.
-    The noise along each axis is that fitted to all tracks. `wider` is the factor by which heavy
-    tails increase the variance of ln D. Returns nothing and None for a single track.
+    `best` is ln(2 D dt), with the common D, m^2/s, and the sampling interval dt = `step`, s. The
+    noise along each axis was fitted to all tracks. `wider` is the factor by which heavy tails
+    increase the variance of ln D. A single track gives an empty tuple and None.
     """
     if len(names) < 2:
         return (), None
@@ -421,7 +423,7 @@ def _alone(
             continue
 
         def b(a: float, noise: float, ratio: float) -> float:
-            """Return ln B for a = ln A; B = ratio A + noise (`_Fit.noise_beside`)."""
+            """Return ln B for a = ln A, from B = ratio A + noise."""
             return math.log(ratio * math.exp(a) + noise)
 
         def misfit(a: float, parts: list[tuple[Steps, float, float, float]] = parts) -> float:
@@ -445,7 +447,7 @@ def _alone(
 
 
 def _remarks(fits: Sequence[_Fit], step: float) -> tuple[str, ...]:
-    """Return remarks: steps left out as jumps, heavy tails, and steps that look smoothed."""
+    """Return remarks on steps excluded as jumps, heavy tails, and steps that look smoothed."""
     said = []
     jumps = [f"{step * jump:.4g} s ({fit.axis})" for fit in fits for jump in fit.jumps]
     if of_all := sum(fit.left_out for fit in fits) - len(jumps):
@@ -477,7 +479,7 @@ def _ends(
 ) -> tuple[float, float]:
     """Return the arguments below and above `best` at which a misfit exceeds `least` by `level`.
 
-    `least` is the misfit at `best`. An end is infinite if the misfit does not rise as much.
+    `least` is the misfit at `best`. An end is infinite if the misfit does not rise that much.
     """
 
     def above(a: float) -> float:
@@ -493,7 +495,7 @@ def _ends(
 def _inferred(given: Given, D: float, ends: tuple[float, float]) -> Inferred:
     """Return the unknown quantity in k_B T = 6 pi mu r D (Einstein and Stokes).
 
-    mu is the viscosity and r the radius. `D`, m^2/s, has the confidence interval `ends`.
+    Here mu is the viscosity and r the radius. `D`, m^2/s, has the confidence interval `ends`.
     """
     assert given.temperature is not None
     kT, radius, viscosity = Boltzmann * given.temperature, given.radius, given.viscosity
@@ -514,25 +516,26 @@ class _Fit:
     """Fit of the diffusion of a free bead along one axis.
 
     D, m^2/s, is the diffusion coefficient far from walls and dt, s, the sampling interval. The
-    parameter common to all axes is ln(2 D dt). That of one axis is ln A, with A = 2 D dt times the
-    mobility beside walls, in units of the mean squared step. B = A + 4 s is the power of the steps
-    at Nyquist's frequency in the same unit, with -s the covariance of successive steps (`Steps`).
+    parameter common to all axes is ln(2 D dt). The parameter of one axis is ln A, where A is 2 D dt
+    times the relative mobility beside walls, in units of the mean squared step. In the same unit,
+    B = A + 4 s is the power of the steps at the Nyquist frequency, with -s the covariance of
+    successive steps (`Steps`).
     """
 
     axis: str
     steps: Steps
     shift: float
-    """ln A of this axis less ln(2 D dt)"""
+    """ln A of this axis minus ln(2 D dt)"""
     known: tuple[float, float] | None
-    """exposure over the step, and squared noise over the mean squared step; None: s is fitted"""
+    """exposure over sampling interval, and squared noise over mean squared step; None to fit s"""
     jumps: tuple[int, ...]
-    """samples of a single track before which the bead jumped"""
+    """numbers of the samples of a single track before which the bead jumped"""
     left_out: int
     """number of jumps of all tracks"""
     tails: float
-    """excess kurtosis of the steps; 0 if that may be chance"""
+    """excess kurtosis of the steps; 0 if it may be due to chance"""
     pieces: Sequence[Array]
-    """steps in a row, m"""
+    """rows of consecutive steps, m"""
     of_track: Sequence[int]
     """number of the track of each piece"""
     without: Sequence[tuple[float, float]]
@@ -540,13 +543,13 @@ class _Fit:
     by_covariance: tuple[float, float]
     """diffusion coefficient by covariances of steps, and its standard uncertainty, m^2/s"""
     halves: float
-    """difference of the diffusion between the halves, in its standard uncertainties"""
+    """difference of the diffusion between the halves of a track, in standard uncertainties"""
 
     @classmethod
     def of(cls, axis: str, tracks: Sequence[Array], step: float, given: Given) -> _Fit | None:
         """Return the fit to the positions (n,), m, of each track, sampled every `step`, s.
 
-        Steps that are jumps are left out. None if all steps are the same or too few remain.
+        Jumps are excluded. Returns None if all steps are equal or too few remain.
         """
         moves = [np.diff(x) for x in tracks]
         every = np.concatenate(moves)
@@ -594,17 +597,17 @@ class _Fit:
         return self._at(a + self.shift)[1] - a - self.shift > _NO_DIFFUSION
 
     def noise_beside(self, a: float) -> tuple[float, float]:
-        """Return a number n and a ratio r with B = r A + n, for the common a = ln(2 D dt).
+        """Return a number n and a ratio r such that B = r A + n, for the common a = ln(2 D dt).
 
-        Other tracks have the same n = 4 s (and r = 1) if noise prevails, B > A, and the same
-        r = B/A (and n = 0) if the exposure does.
+        They describe how B of another track follows from its A. If noise prevails, B > A, tracks
+        share n = 4 s (and r = 1). If motion blur prevails, they share r = B/A (and n = 0).
         """
         A = math.exp(a + self.shift)
         B = math.exp(self._at(a + self.shift)[1])
         return (B - A, 1.0) if B > A else (0.0, B / A)
 
     def _noisy(self, a: float) -> tuple[float, float]:
-        """Return ln B for the known exposure and noise, and its slope by ln A, for a = ln A."""
+        """Return ln B for the known exposure and noise, and its derivative by a = ln A."""
         assert self.known is not None
         exposure, noise = self.known
         A = math.exp(a)
@@ -621,7 +624,7 @@ class _Fit:
         return bool(chdtrc(1, max(as_known - fitted, 0.0)) < IMPROBABLE)
 
     def _at(self, a: float) -> tuple[float, float]:
-        """Return the misfit for a = ln A, and ln B: as known, or where the misfit is smallest."""
+        """Return the misfit for a = ln A, and the known or best-fitting ln B."""
         if self.known is None or self.contradicted:
             return self.steps.best(a)
         b = self._noisy(a)[0]
@@ -629,25 +632,25 @@ class _Fit:
 
     @property
     def _start(self) -> float:
-        """First guess of ln A, from the covariances of successive steps."""
+        """Initial value of ln A, from the covariances of successive steps."""
         D, _ = self.by_covariance
         return math.log(max(2 * D * self.steps.step / self.steps.square, _LEAST_START))
 
     @cached_property
     def own(self) -> tuple[float, float, float]:
-        """ln A and ln B with the smallest misfit of this axis, and this misfit."""
+        """ln A and ln B that minimise the misfit of this axis, and this misfit."""
         a, least = _least(lambda a: self._at(a)[0], self._start)
         return a, self._at(a)[1], least
 
     @property
     def best(self) -> float:
-        """ln(2 D dt), m^2, that fits this axis best."""
+        """ln(2 D dt), with 2 D dt in m^2, that fits this axis best."""
         return self.own[0] - self.shift
 
     def drifts_squared(self, a: float) -> Array:
         """Return the squared ratio of each track's drift to its uncertainty, (tracks,).
 
-        a is the common ln(2 D dt).
+        `a` is the common ln(2 D dt).
         """
         drifts, errors = self.steps.drifts(a + self.shift, self._at(a + self.shift)[1])
         return np.asarray((drifts / errors) ** 2)
@@ -703,9 +706,10 @@ class _Fit:
 
     @cached_property
     def p_value(self) -> float:
-        """Probability of spectra of the steps that differ as much or more from the fitted one.
+        """Probability of a spectrum of the steps that differs at least as much from the fit.
 
-        It compares the mean squares in `_BANDS` bands, less two degrees of freedom for A and B.
+        The chi-square test compares the mean squares in ten bands, with two degrees of freedom used
+        by A and B.
         """
         ratios, means = (np.array_split(each, _BANDS) for each in self.steps.ratios(*self.own[:2]))
         squares = sum(
@@ -716,7 +720,7 @@ class _Fit:
 
     @property
     def smoothed(self) -> bool:
-        """Whether the bead moves less from sample to sample than an exposure of a step leaves."""
+        """Whether the bead moves less between samples than with an exposure of a whole interval."""
         a, b, least = self.own
         rise = self.steps.misfit(a, a + math.log(_WHOLE_EXPOSURE)) - least
         return b - a < math.log(_WHOLE_EXPOSURE) and bool(chdtrc(1, max(rise, 0.0)) < IMPROBABLE)
@@ -738,7 +742,7 @@ class _Fit:
     def _drift(self, a: float, b: float) -> tuple[float, float]:
         """Return the mean drift of the tracks and its standard uncertainty, m/s.
 
-        a and b are ln A and ln B. The mean is weighted by the uncertainties of the tracks' drifts.
+        `a` and `b` are ln A and ln B. The drifts are weighted by their uncertainties.
         """
         drifts, errors = self.steps.drifts(a, b)
         weights = 1 / errors**2
@@ -747,7 +751,7 @@ class _Fit:
     def _noise(self, exposure: float) -> tuple[float | None, float]:
         """Return the standard deviation of the localisation error, m, and its 95 % upper limit.
 
-        The first is None if the error is too small to be determined. `exposure` is the exposure
+        The former is None if the error is too small to be determined. `exposure` is the exposure
         time over the sampling interval.
         """
         A, B = map(math.exp, self.own[:2])
@@ -765,10 +769,10 @@ def _by_covariance(
 ) -> tuple[tuple[float, float], float]:
     """Return the diffusion and its uncertainty, m^2/s, and the difference between the halves.
 
-    The estimate uses the means of squared steps and of products of successive steps (Vestergaard et
-    al., (14) and (16)), less the mean step of each track. `pieces` are rows of steps, m, sampled
-    every `step`, s, and `of_track` the number of the track of each. The difference is in standard
-    uncertainties, and 0 for several tracks.
+    The estimate uses the mean squared step and the mean product of successive steps (equations (14)
+    and (16) of Vestergaard et al.), after subtracting the mean step of each track. `pieces` are
+    rows of steps, m, sampled every `step`, s, and `of_track` contains the track number of each. The
+    difference is in standard uncertainties, and 0 for several tracks.
     """
     tracks = set(of_track)
     count = sum(map(len, pieces)) / len(tracks)
@@ -786,7 +790,7 @@ def _by_covariance(
         square, product = float(squares[part].mean()), float(products[part].mean())
         n = len(squares[part])
         D, s = (square / 2 + product) / step, -product
-        ratio = s / (D * step)  # epsilon of Vestergaard et al.
+        ratio = s / (D * step)  # epsilon in Vestergaard et al.
         relative = (6 + 4 * ratio + 2 * ratio**2) / n + 4 * (1 + ratio) ** 2 / n**2
         return D * (1 + 3 / count), abs(D) * math.sqrt(relative)
 

@@ -1,4 +1,4 @@
-"""Potential energy along a line, from a histogram of positions (Boltzmann)."""
+"""Potential energy along a line, from a histogram of positions by Boltzmann's law."""
 
 from __future__ import annotations
 
@@ -31,17 +31,17 @@ _COUNTS = 10.0
 _COUNTS_AT_TWO = 20.0
 #: Density of a Gaussian at two standard deviations.
 _DENSITY_AT_TWO = math.exp(-2) / math.sqrt(2 * math.pi)
-#: Height above the bottom up to which a potential is fitted by a parabola, k_B T.
+#: Energy above the bottom up to which a parabola is fitted, k_B T.
 _PARABOLA = 2.0
-#: Smallest number of bins for that fit.
+#: Smallest number of bins for a parabola.
 _LEAST_BINS = 5
-#: Largest number of counts, bins times blocks of the record, that errors are estimated from.
+#: Largest number of counts (bins times blocks of the record) for estimating errors.
 _CELLS = 2**18
-#: Number of samples among which the step of a digitised record is looked for.
+#: Number of samples in which the step of a digitised record is sought.
 _LOOKED_AT = 10_000
-#: Finest step that counts, and the rounding of positions, in standard deviations.
+#: Finest step that is detected, and rounding of positions, in standard deviations.
 _FINEST, _ROUNDED = 2e-3, 1e-6
-#: Distance from a whole multiple of the step, and the fraction of the samples within it.
+#: Largest distance from a multiple of the step, and the fraction of samples that must be within it.
 _ON_STEP, _STEPPED = 0.05, 0.99
 
 
@@ -66,7 +66,7 @@ class Potential(Result):
     """bottom of the parabola, m"""
 
     def quantities(self) -> Iterator[Measured]:
-        """Stiffness and place of the bottom, if there is a parabola."""
+        """Yield stiffness and position of the bottom, if there is a parabola."""
         if self.stiffness is not None:
             yield BOTTOM(self.stiffness, self.uncertainty)
             yield MINIMUM(self.minimum)
@@ -133,7 +133,7 @@ def potential(
         edge = _recorded_value(x, step) + step / 2
         low = edge + step * round((low - edge) / step)
     at = (low - centre) / deviation + width * (np.arange(count) + 0.5)
-    # the first and the last are left and right of the bins
+    # number 0 is left of the first bin, and the last number is right of the last bin
     bins = np.clip((x - low) * (1 / (width * deviation)) + 1, 0, count + 1).astype(np.int64)
     blocks = _counts_of_blocks(bins, count + 2)
     visited = np.bincount(bins, minlength=count + 2)[1:-1] / x.size
@@ -160,10 +160,10 @@ def potential(
 
 
 def _counts_of_blocks(bins: NDArray[np.int64], count: int) -> Array:
-    """Return the fraction of each block's samples that is in each bin, (count, blocks).
+    """Return the fraction of each block's samples that falls in each bin, (count, blocks).
 
-    `bins` (n,) contains the number of the bin of each sample, from 0 to `count` - 1. The blocks are
-    successive parts of the recording with equal lengths; the last samples may be left out.
+    `bins` (n,) contains the bin number of each sample, from 0 to `count` - 1. Blocks are successive
+    parts of the recording with equal lengths. Samples at the end may be omitted.
     """
     length = math.ceil(bins.size * count / _CELLS)
     blocks = bins.size // length
@@ -203,10 +203,10 @@ def resolution_of(positions: Array) -> float:
 
 
 def _recorded_value(positions: Array, step: float) -> float:
-    """Return one of the values, m, that a digitised recording can have.
+    """Return one of the values that a digitised recording can have.
 
-    `positions` (n,) and the distance `step` of two values have the same unit. The value follows
-    from the mean phase of the positions within a step, so that rounding errors average out.
+    `positions` (n,) and the distance `step` between values have the same unit. The value follows
+    from the mean phase of the positions within a step, which averages rounding errors.
     """
     some = positions[:: -(-len(positions) // _LOOKED_AT)] - positions[0]
     phase = np.angle(np.exp(2j * np.pi * some / step).mean())
@@ -214,12 +214,13 @@ def _recorded_value(positions: Array, step: float) -> float:
 
 
 def _parabola(at: Array, height: Array) -> tuple[Array, NDArray[np.int64], Array] | None:
-    """Fit a x^2 + b x + c to the bottom of a potential, up to `_PARABOLA` above it.
+    """Fit a x^2 + b x + c to the bottom of a potential, up to 2 k_B T above it.
 
     `at` (bins,) are the centres x of the bins, in standard deviations of the position, and `height`
-    (bins,) the energies, in k_B T. Returns a, b and c (3,), the numbers of the fitted bins, and the
-    derivatives of the curvature 2 a by the heights of these bins; None without a minimum, or with
-    too few bins. Weights and bins follow from a first parabola, so they depend little on noise.
+    (bins,) are the energies, in k_B T. Returns a, b and c (3,), the numbers of the fitted bins, and
+    the derivatives of the curvature 2 a with respect to their heights. Returns None without a
+    minimum or with too few bins. Weights and bins follow from a preliminary parabola, so they
+    depend little on noise.
     """
     if not at.size:
         return None

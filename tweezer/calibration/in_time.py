@@ -1,4 +1,4 @@
-"""Stiffness by averages over a record at several lags: displacements and autocorrelation."""
+"""Stiffness from averages of a record at several lags: squared displacements, autocorrelation."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from tweezer.values.arrays import Array
 
 #: Smallest and largest lag of the fits in time, in relaxation times.
 _LAGS = (0.1, 2.0)
-#: Number of these lags.
+#: Number of lags in a fit.
 _LAG_COUNT = 10
 #: Number of relaxation times after which correlations are negligible.
 _FORGOTTEN = 20.0
 
 
 def lags_of(samples: int, step: float, bead: TrappedBead) -> NDArray[np.int64]:
-    """Return the lags of a fit in time, in samples, about evenly spaced in their logarithm.
+    """Return the lags of a fit, in samples, approximately evenly spaced in the logarithm.
 
-    They are from 0.1 to 2 relaxation times of `bead`, and at most a quarter of the `samples`, which
-    are taken every `step`, s.
+    They range from 0.1 to 2 relaxation times of `bead`, and up to a quarter of the `samples`, which
+    are `step`, s, apart.
     """
     shortest, longest = (lags * bead.relaxation_time / step for lags in _LAGS)
     most = samples // 4
@@ -47,8 +47,8 @@ def displacement(
     """Return the stiffness from mean squared displacements, and its standard uncertainty, N/m.
 
     `positions` (n,), m, are sampled every `step`, s. The fit starts at `bead` and uses the `lags`,
-    in samples. `missing` is the part of the bead's motion that was left out of the positions. The
-    drag is fitted too, unless `drag_known`.
+    in samples. `missing` describes the part of the bead's motion that was removed from the
+    positions. The drag is fitted too, unless it is known.
     """
     lost = 2 * (missing.variances.sum() - missing.autocovariance(lags * step)) / bead.variance
 
@@ -70,9 +70,9 @@ def autocorrelation(
 ) -> tuple[float, float]:
     """Return the stiffness from the decay of the autocorrelation, and its uncertainty, N/m.
 
-    The arguments are `positions` (n,), m, sampled every `step`, s, the `bead` at which the fit
-    starts, the `lags`, in samples, and the part of the motion that is `missing` in the positions.
-    Lag 0, the only one to which white noise adds, is not among them. The variance is fitted too.
+    `positions` (n,), m, are sampled every `step`, s. The fit starts at `bead` and uses the `lags`,
+    in samples, which exclude 0, the only lag affected by white noise. `missing` describes the part
+    of the bead's motion that was removed from the positions. The variance is fitted too.
     """
     lost = bead.variance_of_mean(step, len(positions)) + missing.autocovariance(lags * step)
     lost = lost / bead.variance
@@ -89,22 +89,22 @@ def autocorrelation(
 
 
 Covariance = Callable[[NDArray[np.int64]], Array]
-"""Function from lags in samples, of any sign, to the covariance of two positions, m^2."""
+"""Function that returns the covariance, m^2, of two positions for lags in samples of any sign."""
 
 
 def of_squared_displacements(C: Covariance, s: NDArray[np.int64], i: int, j: int) -> Array:
-    """Return the covariance, m^4, of two squared displacements over i and j samples.
+    """Return the covariance, m^4, of two squared displacements, over i and over j samples.
 
-    They start `s` samples apart (an array), and C is the covariance of two positions by their lag.
+    They start `s` samples apart (an array). C returns the covariance of two positions for a lag.
     """
     return 2 * (C(s + j - i) - C(s - i) - C(s + j) + C(s)) ** 2
 
 
 def of_products(C: Covariance, s: NDArray[np.int64], i: int, j: int) -> Array:
-    """Return the covariance, m^4, of two products of positions that are i and j samples apart.
+    """Return the covariance, m^4, of products of positions that are i and j samples apart.
 
-    The products start `s` samples apart (an array), and C is the covariance of two positions by
-    their lag.
+    The two products start `s` samples apart (an array). C returns the covariance of two positions
+    for a lag.
     """
     return C(s) * C(s + j - i) + C(s + j) * C(s - i)
 
@@ -119,9 +119,9 @@ def covariance_of_averages(
 ) -> Array:
     """Return the covariance (lags, lags), m^4, of averages over a recording at several lags.
 
-    Each average is over all pairs of positions that are a lag apart, of `samples` positions every
-    `step`, s. `of_one`, such as `of_products`, returns the covariance of two of the averaged terms
-    (Isserlis's theorem). `missing` is the part of the bead's motion that the recording lacks.
+    Each average is over all pairs of positions at that lag, of `samples` positions every `step`, s.
+    `of_one`, such as `of_products`, returns the covariance of two averaged terms (Isserlis's
+    theorem). `missing` describes the part of the bead's motion that the recording lacks.
     """
     longest = int(lags[-1])
     reach = min(samples, math.ceil(_FORGOTTEN * bead.relaxation_time / step)) + longest
@@ -142,13 +142,13 @@ def _least_squares(
 ) -> tuple[float, float]:
     """Return the stiffness that fits `values` best, and its standard uncertainty, N/m.
 
-    `values` (n,) have the `covariance` (n, n), and `predicted` returns their expectations for the
-    logarithms of the parameters, the first of which is the stiffness, N/m. `start` has the first
-    guess of these logarithms. The uncertainty uses the slopes there, as the covariance does.
+    `values` (n,) have the `covariance` (n, n). `predicted` returns their expectations for the
+    logarithms of the parameters, the first of which is the stiffness, N/m. `start` contains the
+    initial logarithms. The uncertainty follows from the derivatives there.
     """
     size = np.sqrt(np.diag(covariance))
     correlation = covariance / np.outer(size, size) + 1e-10 * np.eye(size.size)
-    root = cholesky(correlation, lower=True)  # residuals over it are independent
+    root = cholesky(correlation, lower=True)  # dividing residuals by it makes them independent
 
     def residuals(parameters: Array) -> Array:
         return solve_triangular(root, (values - predicted(parameters)) / size, lower=True)

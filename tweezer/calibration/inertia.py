@@ -1,4 +1,4 @@
-"""Inertia of a bead and of the fluid about it, as an analysis assumes it."""
+"""Inertia of a bead and of the surrounding fluid, as assumed in an analysis."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ class Inertia(NamedTuple):
     """Kind of inertia of a recorded bead, independent of its size."""
 
     bead: bool
-    """whether the bead has mass"""
+    """whether the bead has a mass"""
     fluid: str
     """"none", "added-mass" or "memory\""""
     poles: int = POLES
-    """number of poles of the memory"""
+    """number of poles of the hydrodynamic memory"""
     scale: float = 1.0
     """a2 of the scaled model, which divides the mass of the bead"""
 
     @classmethod
     def of(cls, scene: Scene) -> Inertia:
-        """Return the inertia in a scene, completed by the inertia of a measured bead.
+        """Return the inertia in a scene; unspecified inertia is that of a measured bead.
 
-        The scene of a run is complete. A measured bead has mass and hydrodynamic memory.
+        The scene of a run specifies it. A measured bead has mass and hydrodynamic memory.
         """
         simulation, medium = scene.simulation, scene.medium
         model = simulation.model or "full"
@@ -36,10 +36,10 @@ class Inertia(NamedTuple):
         return cls(True, fluid, medium.poles or POLES, scale)
 
     def masses(self, scene: Scene) -> tuple[float | None, float | None]:
-        """Return the mass of the bead and of the fluid in its place, kg; None without them.
+        """Return the mass of the bead and of the displaced fluid, kg; None where they do not apply.
 
-        The mass of the bead has the added mass of a fluid without memory in it. The mass of the
-        fluid counts with memory alone.
+        For a fluid without memory, the mass of the bead includes the added mass. The mass of the
+        fluid is returned only with memory.
         """
         if not self.bead:
             return None, None

@@ -1,4 +1,4 @@
-"""Parts left out of a record: slow drift, bands of frequencies, and the frequencies no fit uses."""
+"""Exclusion of slow drift and frequency bands from a record, and the frequency range of fits."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from tweezer.values.units import QuantityLike, bare, to_si
 
 Band = tuple[float, float]
 
-#: Largest number of frequencies that stand for those that are left out.
+#: Largest number of frequencies that represent an excluded band.
 _MOST = 500
-#: Smallest number of ordinates that a spectrum keeps.
+#: Smallest number of ordinates that must remain in a spectrum.
 LEAST_ORDINATES = 50
 
 
 class Missing(NamedTuple):
-    """Part of a bead's motion that is missing in a record, as a sum of n cosines."""
+    """Part of a bead's motion that a record lacks, as a sum of n cosines."""
 
     frequencies: Array
-    """(n,) Hz, frequencies of the cosines"""
+    """(n,) frequencies of the cosines, Hz"""
     variances: Array
-    """(n,) m^2 or V^2, expected variances of the cosines in the bead's motion"""
+    """(n,) expected variances of the cosines in the bead's motion, m^2 or V^2"""
 
     def autocovariance(self, times: ArrayLike) -> Array:
         """Return the autocovariance of the missing motion at `times`, s, in m^2 or V^2."""
@@ -41,19 +41,19 @@ class Missing(NamedTuple):
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Drift and bands of frequencies that are left out of a record, and the range of its fits.
+    """Drift and frequency bands excluded from a record, and the frequency range of its fits.
 
-    Drift is removed as whole cosines (DCT-II), from half a period in the record up to the frequency
-    of the drift. A band is removed as its strongest line and the Fourier components in it. The part
-    of the bead's own motion that is removed with them follows from the fit (`missing`).
+    Drift is removed as whole cosines (DCT-II), from half a period in the record up to the drift
+    frequency. A band is removed as its strongest line and the Fourier components in it. Together
+    with them, a part of the bead's own motion is removed, which `missing` computes from the fit.
     """
 
     bands: tuple[Band, ...] = ()
-    """frequencies from and to, Hz"""
+    """lowest and highest frequency of each band, Hz"""
     drift: float = 0.0
-    """Hz, frequency below which motion is removed"""
+    """frequency below which motion is removed, Hz"""
     fit_range: Band = (0.0, math.inf)
-    """frequencies from and to, Hz, that spectra are fitted over; the record keeps the others"""
+    """lowest and highest frequency of spectral fits, Hz; the record retains other frequencies"""
 
     @classmethod
     def of(
@@ -63,9 +63,9 @@ class LeftOut:
         drift: QuantityLike | None = None,
         fit_range: str | Band | None = None,
     ) -> LeftOut:
-        """Return the parts to leave out, from numbers in Hz or text such as "49 Hz..51 Hz".
+        """Return the exclusions, from numbers in Hz or texts such as "49 Hz..51 Hz".
 
-        `name` is that of the record, which a `ResultError` about an invalid value contains.
+        `name` is the name of the record, for the `ResultError` about an invalid value.
         """
         bands = tuple(_band(name, "leave_out", each) for each in leave_out)
         slowest = 0.0 if drift is None else _hertz(name, "drift", drift, drift)
@@ -73,13 +73,13 @@ class LeftOut:
         return cls(bands, slowest, within)
 
     def cosines(self, samples: int, step: float) -> int:
-        """Return the number of cosines that are removed as drift; `step`, s, between samples."""
+        """Return the number of cosines removed as drift, for an interval of `step`, s."""
         return math.floor(2 * self.drift * samples * step)
 
     def refuse_too_much(self, name: str, samples: int, step: float) -> None:
-        """Raise `ResultError` if too few Fourier frequencies are left for a fit.
+        """Raise `ResultError` if too few Fourier frequencies remain for a fit.
 
-        The record `name` has a number of `samples`, one every `step`, s.
+        The record `name` has this number of `samples`, taken every `step`, s.
         """
         frequencies = np.arange(1, (samples + 1) // 2) / (samples * step)
         kept = ~within(frequencies, (*self.of_record(samples, step), *self.of_fit))
@@ -91,20 +91,20 @@ class LeftOut:
             )
 
     def of_record(self, samples: int, step: float) -> tuple[Band, ...]:
-        """Return the bands (Hz) whose ordinates are left out of the record's spectrum."""
+        """Return the bands, Hz, whose ordinates are excluded from the record's spectrum."""
         if not (taken := self.cosines(samples, step)):
             return self.bands
         return (*self.bands, (0.0, (taken + 1) / (2 * samples * step)))
 
     @property
     def of_fit(self) -> tuple[Band, ...]:
-        """Bands (Hz) that no spectrum is fitted over."""
+        """Bands of frequencies, Hz, that spectral fits exclude."""
         low, high = self.fit_range
         bands = [(0.0, low)] if low else []
         return (*bands, (high, math.inf)) if math.isfinite(high) else tuple(bands)
 
     def without(self, signal: Array, step: float) -> Array:
-        """Return a signal (n,), sampled every `step`, s, without drift and bands."""
+        """Return a signal (n,), sampled every `step`, s, without drift and excluded bands."""
         from scipy.fft import dct, idct, irfft, rfft
 
         if taken := self.cosines(len(signal), step):
@@ -112,7 +112,7 @@ class LeftOut:
             parts[1 : taken + 1] = 0.0
             signal = idct(parts, norm="ortho")
         if self.bands:
-            for band in self.bands:  # first its line, which leaks out of the band
+            for band in self.bands:  # first the strongest line, which leaks out of the band
                 line = strongest_line(signal - signal.mean(), step, band)
                 if line is not None:
                     moving = motion(signal, [line], step)[1]
@@ -124,9 +124,9 @@ class LeftOut:
         return signal
 
     def missing(self, bead: TrappedBead, samples: int, step: float) -> Missing:
-        """Return the part of a bead's motion that a record lacks after drift and bands are removed.
+        """Return the part of a bead's motion that a record lacks after the exclusions.
 
-        At most `_MOST` frequencies represent each band.
+        At most 500 frequencies represent each band.
         """
         duration = samples * step
         taken = self.cosines(samples, step)
@@ -143,7 +143,7 @@ class LeftOut:
         return Missing(frequencies, widths * bead.sampled_spectrum(frequencies, step, samples))
 
     def words(self, signal: Array, kept: Array, step: float, unit: str) -> str:
-        """Return the parts that were left out of a signal (n,) in words; "" if there are none.
+        """Return a description of the exclusions from a signal (n,); "" without exclusions.
 
         `kept` (n,) is the remaining signal, `step`, s, the sampling interval, and `unit` "m" or
         "V".
@@ -159,7 +159,7 @@ class LeftOut:
 
 
 def _band(name: str, key: str, value: str | Band) -> Band:
-    """Return the ends of a band in Hz; `name` of the record and `key` are for error messages."""
+    """Return the ends of a band, Hz; messages contain the name of the record and the `key`."""
     ends: Sequence[QuantityLike] = value.split("..") if isinstance(value, str) else value
     if len(ends) != 2:
         raise ResultError(f'{name}: {key} = {value!r}: must be such as "49 Hz..51 Hz"')
@@ -170,7 +170,7 @@ def _band(name: str, key: str, value: str | Band) -> Band:
 
 
 def _hertz(name: str, key: str, value: QuantityLike, given: object) -> float:
-    """Return a frequency in Hz; `given` is the whole argument `key` that a message quotes."""
+    """Return a frequency, Hz; messages quote `given`, the complete argument `key`."""
     try:
         number = to_si(bare(value), "1/s")
     except ValueError as error:
@@ -180,5 +180,5 @@ def _hertz(name: str, key: str, value: QuantityLike, given: object) -> float:
     return number
 
 
-#: A record as it is.
+#: No exclusions.
 NOTHING = LeftOut()

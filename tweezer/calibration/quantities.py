@@ -1,4 +1,4 @@
-"""Quantities of calibrations, each with its unit and its words."""
+"""Quantities of calibrations, with their units and descriptions."""
 
 from tweezer.values.measured import STANDARD, Quantity
 
@@ -7,13 +7,13 @@ CORNER = Quantity(
     "corner_frequency", "Hz", "corner frequency by the power spectrum", "axis", STANDARD
 )
 DIFFUSION = Quantity("diffusion", "m^2/s", "diffusion by the power spectrum", "axis", STANDARD)
-#: Quantities of a calibration of which a sweep has variables
+#: Quantities of a calibration that a sweep stores as variables
 QUANTITIES = (STIFFNESS, CORNER, DIFFUSION)
 
 DRAG = Quantity("drag", "kg/s", "drag", kind=STANDARD)
 SENSITIVITY = Quantity("sensitivity", "m/V", "displacement sensitivity", kind=STANDARD)
 FORCE_SENSITIVITY = Quantity("force_sensitivity", "N/V", "force sensitivity", kind=STANDARD)
-#: Parameters of a detector that can be fitted, beside its noise
+#: Detector parameters that can be fitted, in addition to the noise
 DETECTOR = {
     "exposure": Quantity("exposure", "s", "blur", kind=STANDARD, shown="us"),
     "diode_frequency": Quantity("diode_frequency", "Hz", "diode", kind=STANDARD, shown="kHz"),
@@ -22,7 +22,7 @@ DETECTOR = {
 
 FREE_DIFFUSION = Quantity("diffusion", "m^2/s", "diffusion", kind=STANDARD)
 EXPECTED = Quantity("expected", "m^2/s", "by Einstein", kind="")
-#: Quantities of which a free bead determines one
+#: Quantities of which a free bead can determine one
 INFERRED = {
     "viscosity": Quantity("viscosity", "Pa s", "viscosity", kind=STANDARD),
     "radius": Quantity("radius", "m", "radius", kind=STANDARD, shown="nm"),
@@ -44,5 +44,5 @@ MINIMUM = Quantity("minimum", "m", "bottom of the parabola", kind="")
 
 
 def signal(name: str, about: str, unit: str) -> Quantity:
-    """Return a quantity in the unit of a recording, "m" or "V", whose text is in nm or mV."""
+    """Return a quantity in the unit of a recording, "m" or "V", printed in nm or mV."""
     return Quantity(name, unit, about, kind=STANDARD, shown="mV" if unit == "V" else "nm")

@@ -47,19 +47,18 @@ class Estimate:
     stiffness: float
     """k, N/m"""
     uncertainty: float
-    """standard uncertainty of k, N/m; only statistical: temperature and drag count as exact"""
+    """standard uncertainty of k, N/m; statistical only, with temperature and drag taken as exact"""
     findings: tuple[Finding, ...]
-    """reasons not to trust it: findings against the record, then against this number; empty if
-    there are none"""
+    """reasons not to trust the stiffness: findings about the record, then about this number"""
 
     @property
     def caveat(self) -> str:
-        """The findings in words."""
+        """Texts of the findings, in one line."""
         return in_words(self.findings)
 
     @property
     def undetermined(self) -> bool:
-        """Whether the record does not determine the stiffness."""
+        """Whether the record leaves the stiffness undetermined."""
         return any(finding.name == "undetermined" for finding in self.findings)
 
     @property
@@ -69,7 +68,7 @@ class Estimate:
 
     @property
     def told(self) -> str:
-        """The stiffness with its uncertainty and unit."""
+        """The stiffness with its uncertainty and unit as text, or "not determined"."""
         return "not determined" if self.undetermined else self.measured.words
 
     @property
@@ -94,10 +93,10 @@ class SpectrumFit:
     highest_frequency: float
     """highest frequency of the fit, Hz"""
     log_likelihood: float
-    """log-likelihood, to compare with other fits of the same ordinates"""
+    """log-likelihood, for comparison with other fits of the same ordinates"""
     p_value: float
-    """probability of a spectrum that fits as badly or worse; rather too large, because of the
-    fitted parameters"""
+    """probability of a spectrum that fits at least as badly; somewhat too large, because
+    parameters were fitted"""
 
 
 @dataclass(frozen=True, repr=False)
@@ -110,12 +109,12 @@ class AxisCalibration(Result):
     centre: float
     """mean position, m"""
     findings: tuple[Finding, ...]
-    """findings against the record, and so against every estimate; empty if there are none"""
+    """findings about the record, which apply to every estimate"""
     estimates: tuple[Estimate, ...]
     fit: SpectrumFit
-    """fit with the given drag; `free_fit` if none was given"""
+    """fit with the given drag; the same as `free_fit` if no drag was given"""
     free_fit: SpectrumFit
-    """fit of both corner frequency and diffusion; the drag is k_B T/D"""
+    """fit of corner frequency and diffusion D, with the drag k_B T/D"""
     relaxations: float
     """length of the record, in relaxation times of `fit`"""
     detector: tuple[Detected, ...] = ()
@@ -130,9 +129,9 @@ class AxisCalibration(Result):
     force_sensitivity_uncertainty: float | None = None
     """standard uncertainty of `force_sensitivity`"""
     answers: tuple[Answer, ...] = ()
-    """answers of the bead to the motion of the stage"""
+    """responses of the bead to the motion of the stage"""
     remarks: tuple[Finding, ...] = ()
-    """remarks that are not reasons against a number, such as parameters that are not determined"""
+    """findings that do not affect a number, such as parameters that are not determined"""
     drag: float | None = None
     """known drag along this axis at the bead's position, kg/s; None if unknown"""
 
@@ -163,7 +162,7 @@ class AxisCalibration(Result):
 
     @property
     def listed(self) -> list[Finding]:
-        """All findings about the record or a number, in the order of their notes."""
+        """All findings about the record or an estimate, in the order of their notes."""
         every = [*self.findings, *(f for each in self.estimates for f in each.findings)]
         return [each for each in dict.fromkeys(every) if each.name != "undetermined"]
 
@@ -173,7 +172,9 @@ class AxisCalibration(Result):
         return [each.text for each in self.listed]
 
     def table(self, notes: Sequence[str] | None = None) -> Table:
-        """Return a row for each method, with its findings as numbers of notes, or as text."""
+        """Return a row for each method, with findings as numbers of notes, or as text without
+        `notes`.
+        """
         rows = []
         for each in self.estimates:
             cells = ("-", "-") if each.undetermined else each.measured.cells
@@ -185,9 +186,9 @@ class AxisCalibration(Result):
         return Table((f"{self.axis}: stiffness by", "pN/um", "+-", ""), tuple(rows))
 
     def lines(self, unit: str, notes: Sequence[str]) -> Iterator[str]:
-        """Yield lines about the results beside the stiffness: spectrum, detector, drive, remarks.
+        """Yield lines on the results other than the stiffness: spectrum, detector, drive, remarks.
 
-        `unit` is the unit of the recording; the lines refer to the numbers of `notes`.
+        `unit` is the unit of the recording. The lines refer to `notes` by number.
         """
         numbers, fit = self.numbers, self.free_fit
         against = list(filter(None, [_mark(self.findings, notes)]))
@@ -224,12 +225,12 @@ class AxisCalibration(Result):
         return Card("Stiffness", f"the {self.axis} axis", rows, notes=notes)
 
     def by(self, method: str) -> Estimate | None:
-        """Return the estimate by a method; None if there is none."""
+        """Return the estimate by a method; None if the method was not used."""
         return next((each for each in self.estimates if each.method == method), None)
 
 
 def _mark(against: Iterable[Finding], notes: Sequence[str]) -> str:
-    """Return "not trusted" with the numbers of the notes that contain findings; "" without any."""
+    """Return "not trusted" with the numbers of the notes on findings; "" without findings."""
     numbers = sorted({notes.index(each.text) + 1 for each in against if each.text in notes})
     return f"not trusted: {', '.join(map(str, numbers))}" if numbers else ""
 
@@ -357,7 +358,7 @@ class Calibration(Result):
 
 
 def _beside(wall: Height, axis: str, known: float) -> str:
-    """Return the line with the drag along an axis, kg/s, that the height above a wall gives."""
+    """Return a line on the drag along an axis, kg/s, that follows from the height above a wall."""
     uncertainty = known * wall.relative_uncertainty(axis) or None
     way = "across" if axis == ACROSS else "along"
     return (

@@ -13,31 +13,31 @@ from tweezer.values.arrays import Array
 _DEVIATION_PER_MEDIAN = 1.4826
 #: Largest distance of a settled bead from the median, in standard deviations
 FAR = 6.0
-#: Distance from the median at which the bead has arrived, in standard deviations, and the number of
-#: independent samples after which its approach is no longer visible
+#: Distance from the median within which the bead has arrived, in standard deviations, and the
+#: number of independent samples after which its approach is no longer visible
 _NEAR, _AFTER = 3.0, 3.0
 
 
 class Unsettled(NamedTuple):
-    """Beginning of a recording in which the bead has not settled in its trap."""
+    """Beginning of a recording, before the bead has settled in its trap."""
 
     off: float
     """distance of the first sample from the median, in standard deviations"""
     time: float
-    """s, from the first sample on, to leave out; rounded up to two digits"""
+    """time to omit from the first sample on, s; rounded up to two digits"""
 
 
 def spread(positions: Array) -> tuple[Array, float]:
-    """Return distances (n,) from the median, m, and the standard deviation of positions (n,), m.
+    """Return the distances (n,) of positions (n,), m, from their median, and a standard deviation.
 
-    The deviation follows from the median distance, which outliers do not shift.
+    The standard deviation follows from the median distance, so outliers do not affect it.
     """
     off = np.abs(positions - np.median(positions))
     return off, _DEVIATION_PER_MEDIAN * float(np.median(off))
 
 
 def unsettled(positions: Array, step: float) -> Unsettled | None:
-    """Return the initial deviation of positions (n,), m, and its duration; `step` in s.
+    """Return the beginning of positions (n,), m, before the bead settles; `step` in s.
 
     Returns None if the first position is within six standard deviations of the median.
     """
@@ -50,6 +50,6 @@ def unsettled(positions: Array, step: float) -> Unsettled | None:
 
 
 def _rounded_up(time: float) -> float:
-    """Return the time rounded up to two digits."""
+    """Return a time rounded up to two digits."""
     unit = 10.0 ** (np.floor(np.log10(time)) - 1)
     return float(np.ceil(time / unit) * unit)

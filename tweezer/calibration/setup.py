@@ -1,4 +1,4 @@
-"""Bead, medium, wall and detector of a calibration, as given and as completed."""
+"""Known bead, medium, wall and detector for a calibration, from the user and the recording."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ _UNITS = {
     "temperature": "K", "drag": "kg/s", "mass": "kg", "displaced_mass": "kg", "radius": "m",
     "viscosity": "Pa s",
 }  # fmt: skip
-#: Axes of a run
+#: Axes of a simulated run
 _EVERY_AXIS = ("x", "y", "z")
-#: Number of places at which the drag of a run is taken
+#: Number of positions over which the drag of a run is averaged
 _PLACES = 1000
-#: Relative excess of an exposure over the step that is allowed, as the step is as uncertain
+#: Relative excess of the exposure over the sampling interval that is allowed as rounding
 _UNEVEN = 1e-3
 
 
 class Detector(NamedTuple):
-    """Detector of a recording, in SI."""
+    """Detector of a recording, in SI units."""
 
     exposure: float | None
     """exposure time of a sample, s; None if unknown or fitted"""
@@ -62,7 +62,7 @@ class Known:
     """drag far from walls, kg/s"""
     mass: float | None
     displaced_mass: float | None
-    """mass of the fluid in the bead's place, kg; None: without fluid inertia"""
+    """mass of the displaced fluid, kg; None without fluid inertia"""
     radius: float | None
     viscosity: float | None
     poles: int
@@ -75,7 +75,7 @@ class Known:
     """drag by axis at the position of the bead, kg/s; unknown axes are missing"""
 
     def bead(self, axis: str, step: float) -> TrappedBead:
-        """Return the bead of an axis, sampled every `step`, s, with NaN for unknown numbers."""
+        """Return the bead along an axis, sampled every `step`, s, with NaN for unknown values."""
         wall, detector = self.wall, self.detector
         frequency, fraction = detector.diode or (None, 0.0)
         return TrappedBead(
@@ -93,9 +93,9 @@ class Known:
 
 @dataclass(frozen=True, kw_only=True)
 class Setup:
-    """Bead, medium, wall and detector as the user gives them: in SI, or as text; None if not given.
+    """Bead, medium, wall and detector as the user gives them, in SI or as text; None if not given.
 
-    The fields are the keywords of `calibrate`, which describes them.
+    The fields are the keywords of `calibrate`, which documents them.
     """
 
     temperature: QuantityLike | None = None
@@ -113,7 +113,7 @@ class Setup:
     fit_range: str | tuple[float, float] | None = None
 
     def of(self, recording: Recording) -> Known:
-        """Return the known quantities of a recording, from this setup and the scene of a run.
+        """Return the known properties for a recording, from this setup and the scene of a run.
 
         Raises `ResultError` with the name of the recording if a quantity is invalid or missing, or
         contradicts another one.
@@ -160,7 +160,7 @@ class Setup:
         )  # fmt: skip
 
     def _detector(self, recording: Recording) -> Detector:
-        """Return the detector as given, completed by the exposure and noise of the recording."""
+        """Return the given detector, completed by exposure and noise of the recording."""
         asked = {"exposure": self.exposure, "diode_frequency": self.diode, "noise": self.noise}
         fitted = tuple(name for name, value in asked.items() if value == "fit")
         exposure, diode, noise = (None if value == "fit" else value for value in asked.values())
@@ -181,7 +181,7 @@ class Setup:
 
 
 def given_in_si(recording: str, name: str, value: QuantityLike | None, unit: str) -> float | None:
-    """Return the argument `name` in the SI unit `unit`, None if not given.
+    """Return the argument `name` in the SI unit `unit`; None if not given.
 
     `recording` is the name of the recording, for error messages.
     """
@@ -220,9 +220,9 @@ def _diode(
 
 
 def _checked(name: str, given: dict[str, float | None]) -> float:
-    """Return the temperature, K; raise `ResultError` for a missing or not positive quantity.
+    """Return the temperature, K; raise `ResultError` for a missing or non-positive quantity.
 
-    `given` contains the quantities by name, in SI, and `name` is that of the recording.
+    `given` contains the quantities in SI units by name. `name` is the name of the recording.
     """
     temperature = given["temperature"]
     if temperature is None:
@@ -236,7 +236,7 @@ def _checked(name: str, given: dict[str, float | None]) -> float:
 
 
 def _refuse_detector(recording: Recording, detector: Detector) -> None:
-    """Refuse an exposure longer than the step, and a negative noise."""
+    """Refuse an exposure longer than the sampling interval, and a negative noise."""
     exposure, noise, step = detector.exposure, detector.noise, recording.step
     if exposure is not None and not 0 <= exposure <= step * (1 + _UNEVEN):
         raise ResultError(
@@ -248,7 +248,7 @@ def _refuse_detector(recording: Recording, detector: Detector) -> None:
 
 
 def _refuse_too_low(recording: Recording, height: Height) -> None:
-    """Refuse a height at which the drag with the inertia of the fluid is not known."""
+    """Refuse a height at which the drag with fluid inertia is not known."""
     from tweezer.fluid import LOWEST
 
     for axis in recording.axes:
@@ -266,8 +266,8 @@ def _drags(
 ) -> dict[str, float]:
     """Return the known drags along the axes, kg/s.
 
-    `drag` applies far from walls. With `on_the_way`, the drags are averages over the positions of a
-    run, with the drag of its scene.
+    `drag` applies far from walls. If `on_the_way`, the drags are averages over the positions in a
+    run, computed from its scene.
     """
     if drag is None:
         return {}
@@ -280,7 +280,7 @@ def _drags(
     beside = drag_of(recording.scene)
     if beside.uniform:
         return dict.fromkeys(recording.axes, drag)
-    if recording.axes != _EVERY_AXIS:  # the place is not known
+    if recording.axes != _EVERY_AXIS:  # the full position is not known
         return {}
     every = max(len(recording.positions) // _PLACES, 1)
     places = recording.positions[::every]

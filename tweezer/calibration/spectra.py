@@ -1,4 +1,4 @@
-"""Autocovariance, mean squared displacement and power spectral density of a record and a model."""
+"""Autocovariance, mean squared displacement and power spectral density, of records and models."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ from tweezer.values.constants import Boltzmann
 if TYPE_CHECKING:
     from tweezer.fluid import Memory
 
-#: Amplitudes (m^2) and rates (1/s); complex where a decay rings
+#: Amplitudes (m^2) and rates (1/s) of exponential decays; complex if a decay oscillates
 Decays = list[tuple[complex, complex]]
 
 #: Length of Sokal's window, in statistical inefficiencies
 _WINDOW = 3.0
-#: Largest number of blocks that a series is averaged over for the variance of its mean
+#: Largest number of blocks into which a series is averaged to find the variance of its mean
 _BLOCKS = 2**15
 #: Distance from critical damping below which the two rates count as equal
 _CRITICAL = 1e-5
-#: Exposure, in decay times, below which h(v) of `_overlap` is a series, to avoid cancellation.
+#: Exposure, in decay times, below which `_overlap` uses a series to avoid cancellation.
 _SHORT = 1e-2
-#: Part of a decay, after a step, that counts as none
+#: Remainder of a decay after a step that counts as 0
 _NOTHING = 1e-18
 #: Number of steps of Newton's method for the rates of a bead with memory.
 _NEWTON = 3
-#: Relative change of a stiffness at which two rates of a bead with memory are equal, and the error
-#: of the sum of amplitudes that shows it.
+#: Relative changes of stiffness, tried in turn, that separate two equal rates of a bead with
+#: memory; also the error of the sum of amplitudes that reveals equal rates.
 _DOUBLE = 1e-7
-#: Distance of a rate from that of the diode, of it, below which they count as equal.
+#: Relative difference between a rate and the diode's rate below which they count as equal.
 _EQUAL = 1e-6
 
 
@@ -74,8 +74,8 @@ def within(frequencies: Array, bands: Iterable[tuple[float, float]]) -> NDArray[
 def autocovariance(positions: Array, lags: NDArray[np.int64] | None = None) -> Array:
     """Return the autocovariance of a record about its mean.
 
-    Each lag is an average over all its pairs. The mean is that of the record, which lowers every
-    value by the variance of the mean (`TrappedBead.variance_of_mean`).
+    Each lag is averaged over all its pairs. Because the record's own mean is subtracted, every
+    value is too low by the variance of the mean (`TrappedBead.variance_of_mean`).
 
     Parameters
     ----------
@@ -118,9 +118,10 @@ def mean_squared_displacement(positions: Array, lags: NDArray[np.int64] | None =
 
 
 def _products(positions: Array, lags: NDArray[np.int64] | None = None) -> Array:
-    """Return the sums (lags,), m^2, of products of two deviations from the mean, a lag apart.
+    """Return the sums (lags,), m^2, of products of deviations from the mean, a lag apart.
 
-    `positions` (n,), m, and `lags` in samples; None: all lags from 0 to n - 1, by FFT.
+    `positions` (n,) are in m and `lags` in samples. The default is all lags from 0 to n - 1, by
+    FFT.
     """
     from scipy.fft import irfft, next_fast_len, rfft
 
@@ -139,7 +140,7 @@ def statistical_inefficiency(series: Array) -> float:
     It is 1 + 2 sum rho_j, where rho_j is the correlation at a lag of j samples. The sum ends at a
     lag of three times its value (A. Sokal's window), and is corrected for the mean of the record
     (U. Wolff, Comput. Phys. Commun. 156, 143 (2004)). A series that stays correlated to its end has
-    n. A long series is first averaged over short blocks, which leaves its mean as it is.
+    the value n. A long series is first averaged over short blocks, which does not change its mean.
     """
     of_one = float(np.var(series))
     if of_one <= 0:
@@ -159,10 +160,9 @@ def standard_error(series: Array) -> float:
 def block_means(series: Array) -> Array:
     """Return the means (blocks,) of successive blocks of a long `series` (n,).
 
-    Up to one block of samples at its end is left out.
-
-    There are enough blocks to estimate a variance of the mean to 1 % where their length exceeds the
-    correlation time; where it does not, the blocks resolve the correlation.
+    Samples at the end that do not fill a block are omitted. If blocks are longer than the
+    correlation time, there are enough of them to estimate the variance of the mean to 1 %.
+    Otherwise they resolve the correlation.
     """
     length = -(-len(series) // _BLOCKS)
     if length == 1:
@@ -173,9 +173,8 @@ def block_means(series: Array) -> Array:
 def variance_of_means(series: Array) -> float:
     """Return the variance of the mean of a correlated `series` (n,).
 
-    It is a sum of correlations up to Sokal's window (`statistical_inefficiency`).
-
-    If the series stays correlated to its end, this is the variance of one sample.
+    It is a sum of correlations up to Sokal's window (`statistical_inefficiency`). For a series that
+    stays correlated to its end, it is the variance of one sample.
     """
     n = len(series)
     covariance = autocovariance(series)
@@ -190,9 +189,9 @@ def variance_of_means(series: Array) -> float:
 
 
 def _overlap(v: NDArray[Any]) -> NDArray[Any]:
-    """Return h(v) = e^-v - 1 + v, by a series for small v, where its terms cancel.
+    """Return h(v) = e^-v - 1 + v, as a series for small v, where the terms cancel.
 
-    A mean over an exposure contains it: the integral of e^(-r|s - t|) over 0 < s, t < v/r is
+    It occurs in averages over an exposure: the integral of e^(-r|s - t|) over 0 < s, t < v/r is
     2 h(v)/r^2.
     """
     series = v**2 / 2 * (1 - v / 3 * (1 - v / 4 * (1 - v / 5 * (1 - v / 6))))
@@ -201,23 +200,23 @@ def _overlap(v: NDArray[Any]) -> NDArray[Any]:
 
 @dataclass(frozen=True)
 class TrappedBead:
-    """Bead in a harmonic trap, m x'' + drag + k x = thermal noise, and its recording.
+    """Bead in a harmonic trap, m x'' + drag + k x = thermal noise, with its detector.
 
-    x is the position, m the mass and k the stiffness. Without a mass the bead is overdamped (the
-    Ornstein-Uhlenbeck process). The drag is beta x'. With the mass m_f of the displaced fluid, it
-    is the drag of Boussinesq and Basset, whose Laplace transform is gamma(s) = beta (1 + sqrt(s
-    tau_f) + s tau_f/9) with tau_f = 9 m_f/(2 beta). It has a memory of earlier motion, and adds
-    m_f/2 to the mass. The memory is a sum of exponentials in time (`tweezer.fluid.memory`). Beside
-    a wall the drag includes the reflected flow (`tweezer.fluid.reflection`).
+    Here x is the position, m the mass and k the stiffness. Without a mass the bead is overdamped
+    (the Ornstein-Uhlenbeck process). The drag is beta x'. With the mass m_f of the displaced fluid,
+    it is the drag of Boussinesq and Basset. Its Laplace transform is gamma(s) = beta (1 +
+    sqrt(s tau_f) + s tau_f/9) with tau_f = 9 m_f/(2 beta), which depends on earlier motion and
+    adds m_f/2 to the mass. This memory is a sum of exponentials in time (`tweezer.fluid.memory`).
+    Beside a wall the drag includes the reflected flow (`tweezer.fluid.reflection`).
 
     The autocovariance of the position is a sum of decays e^-rt with rates r. A detector multiplies
     the position by `response`, V/m (1 for positions in metres). A photodiode detects a fraction a
-    without delay and the rest late. It multiplies the power at the frequency f by a^2 + (1 - a^2)/
-    (1 + (f/f_3)^2) (K. Berg-Sorensen et al., Rev. Sci. Instrum. 77, 063106 (2006)). A decay e^-rt
-    becomes a^2 e^-rt + (1 - a^2) (w^2 e^-rt - r w e^-wt)/(w^2 - r^2), with w = 2 pi f_3. Each
-    sample is the mean over the exposure W (motion blur: W. P. Wong and K. Halvorsen, Opt. Express
-    14, 12517 (2006)). A decay e^-rt becomes (sinh(rW/2)/(rW/2))^2 e^-rt for t of W or more, and 2
-    (rW - 1 + e^-rW)/(rW)^2 at t = 0. White noise adds to each sample.
+    without delay. It multiplies the power at the frequency f by a^2 + (1 - a^2)/(1 + (f/f_3)^2)
+    (K. Berg-Sorensen et al., Rev. Sci. Instrum. 77, 063106 (2006)). A decay e^-rt then becomes
+    a^2 e^-rt + (1 - a^2) (w^2 e^-rt - r w e^-wt)/(w^2 - r^2), with w = 2 pi f_3. Each sample is the
+    mean over the exposure W (motion blur: W. P. Wong and K. Halvorsen, Opt. Express 14, 12517
+    (2006)). A decay e^-rt becomes (sinh(rW/2)/(rW/2))^2 e^-rt for t >= W, and
+    2 (rW - 1 + e^-rW)/(rW)^2 at t = 0. White noise adds to each sample.
     """
 
     stiffness: float
@@ -229,24 +228,24 @@ class TrappedBead:
     mass: float | None = None
     """m of the bead alone, kg"""
     exposure: float = 0.0
-    """W, s: the time over which each recorded position is averaged"""
+    """W, exposure time over which each position is averaged, s"""
     displaced_mass: float | None = None
-    """m_f, kg: the mass of the fluid in the bead's place; None: a fluid without inertia"""
+    """m_f, mass of the displaced fluid, kg; None for a fluid without inertia"""
     poles: int = POLES
-    """number of poles of the fluid's memory; 24 are exact to 5e-5 in the spectrum below 1 MHz"""
+    """number of poles of the fluid's memory; with 24 the spectrum is exact to 5e-5 below 1 MHz"""
     diode_frequency: float | None = None
-    """f_3, Hz: where the power of the late part is halved; None: a detector that follows at once"""
+    """f_3, frequency at which the power of the delayed part is halved, Hz; None without delay"""
     diode_fraction: float = 0.0
-    """a, from 0 to 1: the part of the signal that a diode detects at once"""
+    """a, fraction of the signal that a photodiode detects without delay, from 0 to 1"""
     noise: float = 0.0
-    """standard deviation of the white noise of a sample, m or V"""
+    """standard deviation of the white noise in a sample, m or V"""
     response: float = 1.0
-    """signal by position: V/m, or 1 for positions in m"""
+    """ratio of signal to position: V/m, or 1 for positions in m"""
     wall: float | None = None
-    """distance of the bead's centre from a wall, in radii, of which `drag` is the steady one; None:
-    far from everything. It counts with the mass of the displaced fluid"""
+    """distance of the bead's centre from a wall, in radii; None far from walls. The steady `drag`
+    includes the wall already. The distance matters only with `displaced_mass`"""
     across: bool = False
-    """whether the bead moves across that wall, not along it"""
+    """whether the bead moves perpendicular to that wall, not parallel to it"""
 
     @property
     def variance(self) -> float:
@@ -265,9 +264,9 @@ class TrappedBead:
 
     @property
     def relaxation_time(self) -> float:
-        """Time of the slowest decay, s: beta/k, or 2m/beta if the bead is underdamped.
+        """Time constant of the slowest decay, s: beta/k, or 2m/beta if the bead is underdamped.
 
-        The memory of the fluid, whose decay has no slowest time, is left out.
+        Hydrodynamic memory is ignored, because it decays without a slowest time constant.
         """
         return 1 / min(rate.real for _, rate in self._forgetful)
 
@@ -278,7 +277,7 @@ class TrappedBead:
 
     @property
     def roll_off(self) -> float:
-        """Frequency above which the spectrum falls, Hz: the corner, or the resonance."""
+        """Frequency above which the spectrum decreases, Hz: the corner or resonance frequency."""
         mass = self._inertia
         if not mass:
             return self.corner_frequency
@@ -286,9 +285,9 @@ class TrappedBead:
 
     @property
     def _inertia(self) -> float:
-        """Mass that resists fast motion, kg: the bead's, and the added mass of the fluid.
+        """Effective mass in fast motion, kg: that of the bead, and the added mass of the fluid.
 
-        The added mass is half that of the fluid in the bead's place, or more beside a wall.
+        The added mass is half the mass of the displaced fluid, or more beside a wall.
         """
         if not self.displaced_mass:
             return self.mass or 0.0
@@ -304,9 +303,9 @@ class TrappedBead:
         return memory_beside(self.wall, across=self.across, poles=self.poles)
 
     def _drag_at(self, frequencies: Array) -> Complex:
-        """Return the complex drag gamma(2 pi i f), kg/s, at `frequencies` (n,), Hz.
+        """Return the complex drag gamma(2 pi i f), kg/s, at `frequencies` f (n,), Hz.
 
-        It includes the added mass and the memory of the fluid.
+        It includes the added mass and the hydrodynamic memory of the fluid.
         """
         from tweezer.fluid import drag_at
 
@@ -337,8 +336,8 @@ class TrappedBead:
     def _decays(self) -> Decays:
         """Amplitudes (m^2) and rates (1/s) of the exponentials in the autocovariance.
 
-        With memory its Laplace transform is C(s) = (k_B T/k) Z/(s Z + k), where Z(s) = m s +
-        gamma(s) is the impedance of the bead. The rates are the poles of C at -s.
+        With memory, the Laplace transform of the autocovariance is C(s) = (k_B T/k) Z/(s Z + k),
+        where Z(s) = m s + gamma(s) is the impedance of the bead. The poles of C are at s = -rate.
         """
         if not self.displaced_mass:
             return self._forgetful
@@ -351,17 +350,17 @@ class TrappedBead:
 
     @cached_property
     def _detected(self) -> Decays:
-        """Amplitudes (m^2 or V^2) and rates (1/s) in the signal's autocovariance.
+        """Amplitudes (m^2 or V^2) and rates (1/s) in the autocovariance of the signal.
 
-        The square of the response multiplies the amplitudes of the position, and a diode adds its
-        own rate. Exposure and noise are not included.
+        They follow from those of the position. The squared response multiplies the amplitudes, and
+        a diode adds its own rate. Exposure and noise are not included.
         """
         square = self.response**2
         decays = [(square * amplitude, rate) for amplitude, rate in self._decays]
         if not self.diode_frequency:
             return decays
         w = 2 * math.pi * self.diode_frequency
-        # equal rates of bead and diode would divide by zero: shift the latter a little
+        # equal rates of bead and diode would divide by zero, so the latter is shifted slightly
         while any(abs(rate / w - 1) < _EQUAL for _, rate in decays):
             w *= 1 + 2 * _EQUAL
         late = 1 - self.diode_fraction**2
@@ -375,7 +374,7 @@ class TrappedBead:
     def autocovariance(self, times: ArrayLike) -> Array:
         """Return the autocovariance <x(0) x(t)>, m^2 or V^2, of recorded positions.
 
-        `times` are the lags t, s. Exposure, diode and noise are included.
+        `times` are the lags t, s. The effects of exposure, diode and noise are included.
         """
         past = np.abs(np.asarray(times, np.float64))
         covariance = np.where(past == 0, self.noise**2, 0.0)
@@ -396,10 +395,10 @@ class TrappedBead:
     def spectrum(self, frequencies: ArrayLike) -> Array:
         """Return the one-sided power spectral density, m^2/Hz or V^2/Hz, at `frequencies` f, Hz.
 
-        It is the density of the signal before it is sampled, without noise. It is a Lorentzian,
-        with a mass its inertial form, and with the mass of the fluid its hydrodynamic form, without
-        approximation (K. Berg-Sorensen and H. Flyvbjerg, Rev. Sci. Instrum. 75, 594 (2004)). It is
-        multiplied by the response of the diode and by sinc^2(f W) for the exposure W.
+        It describes the continuous signal without noise. It is a Lorentzian, with a mass its
+        inertial form, and with the mass of the fluid the exact hydrodynamic form (K. Berg-Sorensen
+        and H. Flyvbjerg, Rev. Sci. Instrum. 75, 594 (2004)). It is multiplied by the response of
+        the diode and by sinc^2(f W) for the exposure W.
         """
         f = np.asarray(frequencies, np.float64)
         s = 2j * np.pi * f
@@ -409,9 +408,9 @@ class TrappedBead:
         return np.asarray(force / np.abs(resistance) ** 2 * self._passed(f))
 
     def _passed(self, frequencies: Array) -> Array:
-        """Return the ratio of the power of the signal to that of the motion at `frequencies`, Hz.
+        """Return the ratio of signal power to the power of the motion at `frequencies`, Hz.
 
-        It contains the response, the exposure and the diode, but no noise.
+        It includes the response, the exposure and the diode, but no noise.
         """
         passed = (self.response * np.sinc(frequencies * self.exposure)) ** 2
         if self.diode_frequency:
@@ -420,12 +419,12 @@ class TrappedBead:
         return np.asarray(passed)
 
     def driven(self, frequencies: ArrayLike) -> Complex:
-        """Return the complex ratio of signal to stage motion, V/m or 1, at `frequencies`, Hz.
+        """Return the complex ratio of signal to stage motion, V/m or 1, at `frequencies` f, Hz.
 
-        The fluid, and a wall, move with the stage: gamma (s x - s x_s) + k x + m s^2 x = m_f s^2
-        x_s. Here x is the position, x_s that of the stage, s = 2 pi i f, and the last term the
-        pressure that moves the fluid (M. R. Maxey and J. J. Riley, Phys. Fluids 26, 883 (1983)).
-        The phase is that of the motion.
+        Fluid and walls move with the stage, so gamma (s x - s x_s) + k x + m s^2 x = m_f s^2 x_s.
+        Here x is the position of the bead, x_s the position of the stage and s = 2 pi i f. The last
+        term is the pressure that accelerates the fluid (M. R. Maxey and J. J. Riley, Phys. Fluids
+        26, 883 (1983)). The detector affects only the magnitude, not the phase.
         """
         f = np.asarray(frequencies, np.float64)
         s = 2j * np.pi * f
@@ -440,18 +439,18 @@ class TrappedBead:
         """Return the one-sided power spectral density, m^2/Hz or V^2/Hz, of sampled positions.
 
         `frequencies` are in Hz and `step`, s, is the sampling interval. The density includes all
-        aliases: it is the Fourier sum over the autocovariance of the samples, which from lag 1 on
-        is a sum of geometric series (S. F. Norrelykke and H. Flyvbjerg, Phys. Rev. E 83, 041103
-        (2011)). With `samples`, the expected periodogram at the Fourier frequencies of a record of
-        that length, which also includes leakage (A. M. Sykulski et al., Biometrika 106, 251
-        (2019)). The exposure must not exceed the step.
+        aliases. It is the Fourier sum over the autocovariance of the samples, which is a sum of
+        geometric series for lags of at least 1 (S. F. Norrelykke and H. Flyvbjerg, Phys. Rev. E 83,
+        041103 (2011)). If `samples` is finite, the result is the expected periodogram at the
+        Fourier frequencies of a record of that length, which includes leakage (A. M. Sykulski et
+        al., Biometrika 106, 251 (2019)). The exposure must not exceed the step.
         """
         angle = 2 * np.pi * step * np.asarray(frequencies, np.float64)
         away = 2 * np.sin(angle / 2) ** 2  # 1 - cos
         turned = away - 1j * np.sin(angle) if any(map(_rings, self._detected)) else away  # 1 - e^ia
         density = np.full(angle.shape, self.variance)
         for amplitude, rate in self._detected:
-            # sum over lags j of first e^(-(j - 1) rate step + i j angle), less j/samples of each
+            # sum over lags j of first e^(-(j - 1) rate step + i j angle), minus j/samples of each
             first = amplitude * np.exp(-rate * (step - self.exposure))
             if self.exposure:
                 first *= (np.expm1(-rate * self.exposure) / (rate * self.exposure)) ** 2
@@ -476,7 +475,7 @@ class TrappedBead:
 
 
 def _plain(decays: Iterable[tuple[complex, complex]]) -> Decays:
-    """Return decays with real numbers in place of complex ones whose rate is real."""
+    """Return decays in which amplitudes and rates are real numbers if the rate is real."""
     return [
         (complex(a), complex(r)) if complex(r).imag else (complex(a).real, complex(r).real)
         for a, r in decays
@@ -484,25 +483,25 @@ def _plain(decays: Iterable[tuple[complex, complex]]) -> Decays:
 
 
 def _rings(decay: tuple[complex, complex]) -> bool:
-    """Return whether a decay (amplitude, rate) oscillates; `_plain` leaves only those complex."""
+    """Return whether a decay (amplitude, rate) from `_plain` oscillates, that is, is complex."""
     return isinstance(decay[1], complex)
 
 
 def _relaxation(inertia: float, stiffness: float, memory: Memory) -> tuple[Complex, Complex]:
-    """Return the exponentials in the autocovariance of a bead with memory: parts and rates r.
+    """Return the exponentials in the autocovariance of a bead with memory: amplitudes and rates r.
 
-    Units are the drag beta and the time tau_f = 9 m_f/(2 beta) that vorticity takes to diffuse over
-    the bead (m_f: mass of the displaced fluid). `inertia` is the mass with the added mass, in
-    beta tau_f, `stiffness` k, in beta/tau_f, and the rates are in 1/tau_f. `memory` has rates p and
-    weights c. With the impedance Z(s) = inertia s + 1 + sum c s/(s + p), the rates are r = -s at
-    the zeros of D(s) = s Z(s) + k. They are eigenvalues of the equations of the bead and as many
-    masses as poles, which it drags by dashpots c, refined by Newton's method. The parts, relative
-    to the variance, are k/(r D'(-r)) and add up to 1.
+    The units are the drag beta and tau_f = 9 m_f/(2 beta), the time in which vorticity diffuses
+    over the bead (m_f: mass of the displaced fluid). `inertia` is the mass including the added
+    mass, in beta tau_f. `stiffness` is k, in beta/tau_f. The rates are in 1/tau_f. `memory` has the
+    rates p and weights c. With the impedance Z(s) = inertia s + 1 + sum c s/(s + p), the rates are
+    r = -s at the zeros of D(s) = s Z(s) + k. They are computed as eigenvalues of an equivalent
+    system, in which the bead drags one mass per pole by a dashpot c, and refined by Newton's
+    method. The amplitudes, relative to the variance, are k/(r D'(-r)) and add up to 1.
     """
     p, c = memory.rates[::-1], memory.weights[::-1]
     n = len(p)
-    each = np.arange(n)  # the fast ones first: small eigenvalues keep their digits
-    # where two rates are equal, a slightly different stiffness separates them
+    each = np.arange(n)  # fast rates first, so that small eigenvalues keep their digits
+    # a slightly different stiffness separates equal rates
     for k in stiffness * (1 + _DOUBLE * np.arange(3)):
         matrix = np.zeros((n + 2, n + 2))
         matrix[each, each] = -p

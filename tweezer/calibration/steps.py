@@ -1,4 +1,4 @@
-"""Steps of a free bead from sample to sample: their spectrum, and its exact likelihood."""
+"""Steps of a free bead between samples: their spectrum, and its exact likelihood."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tweezer.values.arrays import Array
 _BLOCKS = 1000
 #: Largest number of steps of Fisher's scoring.
 _SCORINGS = 40
-#: Range of the logarithm of B/A in a fit.
+#: Range of ln(B/A) in a fit.
 _NOISY = (-7.0, 16.0)
 #: Tolerance of the logarithms of A and B.
 EXACT = 1e-5
@@ -26,10 +26,10 @@ class Steps:
     """Steps of one coordinate between jumps and gaps, as sums over blocks of frequencies.
 
     The power of the steps at the angle phi = 2 pi frequency dt, from 0 to pi, is
-    A (1 + cos phi)/2 + B (1 - cos phi)/2. A = 2 D dt is the power at low frequencies (D: diffusion
-    coefficient, dt: sampling interval), and B = A + 4 s the power at Nyquist's frequency (-s:
-    covariance of successive steps). The methods take a = ln A and b = ln B, with A and B in units
-    of `square`. Each track has its own drift.
+    A (1 + cos phi)/2 + B (1 - cos phi)/2. A = 2 D dt is the power at low frequencies, with the
+    diffusion coefficient D and the sampling interval dt. B = A + 4 s is the power at the Nyquist
+    frequency, where -s is the covariance of successive steps. The methods take a = ln A and
+    b = ln B, with A and B in units of `square`. Each track has its own drift.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class Steps:
         for piece, track in zip(pieces, tracks, strict=True):
             n = len(piece)
             angle = np.pi * np.arange(1, n + 1) / (n + 1)
-            # sine transform of a piece of ones, as which a steady drift appears
+            # sine transform of a constant, which is the contribution of a steady drift
             ones = np.sqrt(2 / (n + 1)) / np.tan(angle / 2) * (np.arange(1, n + 1) % 2)
             ordinate = dst(piece, type=1, norm="ortho")
             frequency = angle / (2 * np.pi * step)
@@ -73,10 +73,10 @@ class Steps:
         order = np.argsort(angle, kind="stable")
         self.track = of[order].astype(int)
         self.ordinates, self.ones = ordinate[order] / math.sqrt(self.square), ones[order]
-        self.share = (1 + np.cos(angle[order])) / 2  # of A in the power; that of B is 1 - share
-        # Sums over blocks of neighbouring frequencies, in which the power is nearly constant:
-        # number of ordinates, their share, their squares, and by track the products with the drift
-        # and its squares
+        self.share = (1 + np.cos(angle[order])) / 2  # coefficient of A in the power; 1 - share of B
+        # Sums over blocks of neighbouring frequencies, in which the power is nearly constant: the
+        # number of ordinates, their shares and squares. For each track, also the products of
+        # ordinates and drift, and the squares of the drift.
         n = len(order)
         starts = np.arange(n)
         if n > 2 * _BLOCKS:
@@ -88,7 +88,7 @@ class Steps:
         self._cross, self._drift = np.zeros((2, 1 + max(tracks), len(starts)))
         np.add.at(self._cross, (self.track, block), self.ordinates * self.ones)
         np.add.at(self._drift, (self.track, block), self.ones**2)
-        self._near = 0.0  # ln B of the last fit, from which the next one starts
+        self._near = 0.0  # ln B of the last fit, the initial value of the next one
 
     def misfit(self, a: float, b: float) -> float:
         """Return -2 log(likelihood) for a = ln A and b = ln B, integrated over all drifts."""
@@ -101,14 +101,14 @@ class Steps:
     def best(self, a: float) -> tuple[float, float]:
         """Return the smallest misfit for a = ln A over all B, and ln B at this minimum.
 
-        Fisher's scoring finds ln B in a few steps. If it does not converge, a bounded search over
-        ln(B/A) does.
+        Fisher's scoring usually finds ln B in a few steps. If it does not converge, a bounded
+        search over ln(B/A) is used.
         """
         A, b = math.exp(a), self._near if abs(self._near - a) < _NOISY[1] else a
         for _ in range(_SCORINGS):
-            of_b = math.exp(b) * (1 - self._share)  # the part of B in the power of each block
+            of_b = math.exp(b) * (1 - self._share)  # contribution of B to the power of each block
             per = 1 / (A * self._share + of_b)
-            slope = of_b * per  # derivative of the logarithm of the power by ln B
+            slope = of_b * per  # derivative of the logarithm of the power with respect to ln B
             again = slope * per
             of_drift, cross = self._drift @ per, self._cross @ per
             change = self._counts @ slope - self._squares @ again
@@ -135,7 +135,7 @@ class Steps:
     def drifts(self, a: float, b: float) -> tuple[Array, Array]:
         """Return the drift of each track and its standard uncertainty, m/s, for a = ln A, b = ln B.
 
-        A drift is the weighted mean of the track's steps over the sampling interval.
+        The drift is the weighted mean step of the track divided by the sampling interval.
         """
         per = 1 / (math.exp(a) * self._share + math.exp(b) * (1 - self._share))
         of_drift = self._drift @ per
@@ -145,8 +145,9 @@ class Steps:
     def ratios(self, a: float, b: float) -> tuple[Array, Array]:
         """Return the squared ordinates over their expectations, and the mean of each such ratio.
 
-        Both have one number per ordinate, in the order of frequency, for a = ln A and b = ln B.
-        A ratio has one degree of freedom, less the part that fitting the drift of its track takes.
+        Both have one number per ordinate, in the order of frequency, for a = ln A and b = ln B. A
+        ratio has slightly less than one degree of freedom, because the drift of its track is
+        fitted.
         """
         drifts, errors = self.drifts(a, b)
         unit = self.step / math.sqrt(self.square)

@@ -24,17 +24,17 @@ from tweezer.values.printed import in_unit
 from tweezer.values.shown import Card, Row, Table
 from tweezer.values.units import QuantitiesLike, QuantityLike
 
-#: First guesses of the smallest gap between bead and wall, in radii, and of the focal shift
+#: Initial values of the smallest gap between bead and wall, in radii, and of the focal shift
 _GAPS, _SHIFTS = np.geomspace(1e-2, 30.0, 15), (0.7, 0.85, 1.0)
 #: Range of the smallest gap in a fit, in radii
 _GAP_ENDS = 1e-4, 1e3
-#: Largest uncertainty of a determined height, over the smallest gap between bead and wall
+#: Largest uncertainty at which a height counts as determined, over the smallest gap
 _UNCERTAIN = 1.0
-#: Largest relative uncertainty of a shift that is determined
+#: Largest relative uncertainty at which a focal shift counts as determined
 _UNSURE_SHIFT = 0.5
 #: Range of the focal shift in a fit
 _SHIFT_ENDS = 0.05, 20.0
-#: Half the difference of the unknowns, which are logarithms, over which slopes are computed
+#: Half the change of the unknowns (logarithms) for computing derivatives
 _DIFFERENCE = 1e-5
 
 
@@ -224,8 +224,8 @@ class _Drags:
     def of(cls, calibrations: Sequence[Calibration], positions: Array) -> _Drags:
         """Return the fitted drags of calibrations that have no findings along their axis.
 
-        A finding that the drag differs from the given one is allowed, as walls change the drag.
-        `positions` (calibrations,), m, are those of the focus.
+        A finding that the drag differs from the given one is allowed, because walls change the
+        drag. `positions` (calibrations,), m, are the positions of the focus.
         """
         rows = [
             (position, axis.axis, float(drag.value), float(drag.errors), each.name)
@@ -248,19 +248,19 @@ class _Fit:
     """Least-squares fit of a wall to the logarithms of measured drags.
 
     Its parameters are the logarithms of the smallest gap between bead and wall (in radii), of the
-    focal shift and of the drag far from the wall (kg/s). `unknowns`, an argument of many methods,
-    contains those that are not given, in this order.
+    focal shift and of the drag far from the wall (kg/s). The argument `unknowns` of many methods
+    contains those parameters that are not given, in this order.
     """
 
     drags: _Drags
     nearest: float
-    """smallest position of the focus, m, at which the gap is smallest"""
+    """position of the focus, m, at which the gap is smallest"""
     radius: float
     """radius of the bead, m"""
     shift: float | None
-    """distance that the bead moves by a unit of the focus position; None: fitted"""
+    """displacement of the bead per displacement of the focus; None to fit it"""
     drag: float | None
-    """drag far from the wall, kg/s; None: fitted"""
+    """drag far from the wall, kg/s; None to fit it"""
 
     @property
     def given(self) -> Array:
@@ -270,7 +270,7 @@ class _Fit:
         )
 
     def parts(self, unknowns: Array) -> Array:
-        """Return the logarithms of gap (radii), shift and drag (kg/s), (3,), given or unknown."""
+        """Return the logarithms of gap (radii), shift and drag (kg/s), (3,), with the unknowns."""
         every = self.given
         every[np.isnan(every)] = unknowns
         return every
@@ -297,7 +297,7 @@ class _Fit:
         return np.asarray((drags.logarithms - expected) / drags.errors)
 
     def differences(self, of: Callable[[Array], Array], unknowns: Array) -> Array:
-        """Return the derivatives (unknowns, ...) of a function `of` the unknowns."""
+        """Return the derivatives (unknowns, ...) of a function of the unknowns."""
         steps = _DIFFERENCE * np.eye(len(unknowns))
         return np.array([of(unknowns + d) - of(unknowns - d) for d in steps]) / (2 * _DIFFERENCE)
 
@@ -307,7 +307,7 @@ class _Fit:
         return np.asarray(slopes @ slopes.T)
 
     def best(self) -> Array:
-        """Return the unknowns that fit best, starting from the best of several gaps and shifts."""
+        """Return the best-fitting unknowns, starting from the best of several gaps and shifts."""
         unknown = np.isnan(self.given)
         drag = float(self.drags.logarithms.min())
         starts = [

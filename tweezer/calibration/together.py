@@ -31,14 +31,14 @@ class Together:
     recordings: tuple[str, ...]
     """names of the recordings that the mean includes"""
     p_value: float | None
-    """probability of values that differ as much or more, by chi-square"""
+    """probability of values that differ at least as much, by chi-square"""
     findings: tuple[Finding, ...]
     """reasons why there is no mean"""
 
     def measured(self, *, metric: bool) -> Measured:
-        """Return the mean, with the reasons if there is none.
+        """Return the mean, with the findings that explain a missing mean.
 
-        With `metric`, recordings are in metres, and a sensitivity is a ratio of lengths.
+        If `metric`, the recordings are in metres, so a sensitivity is a ratio of lengths.
         """
         of = next(each for each in _QUANTITIES if each.name == self.quantity)
         if metric and of == SENSITIVITY:
@@ -46,7 +46,7 @@ class Together:
         return of(self.mean, self.uncertainty, *(each.text for each in self.findings))
 
 
-#: Quantities of which several recordings have a mean
+#: Quantities that are averaged over recordings
 _QUANTITIES = (STIFFNESS, DRAG, SENSITIVITY)
 
 
@@ -67,7 +67,7 @@ def together(calibrations: Sequence[Calibration]) -> tuple[Together, ...]:
 
 
 def _of_one(calibrations: Sequence[Calibration], name: str, quantity: str) -> Together | None:
-    """Return the mean of a quantity along the axis `name`; None if no recording has it."""
+    """Return the mean of a quantity along the axis `name`; None if no recording determines it."""
     every = [
         (each.name, axis, found)
         for each in calibrations
@@ -99,7 +99,7 @@ def _of_one(calibrations: Sequence[Calibration], name: str, quantity: str) -> To
 def printed(
     calibrations: Sequence[Calibration], means: Sequence[Together]
 ) -> Iterator[Table | str]:
-    """Yield a table over recordings with their mean, or why there is none, for each quantity."""
+    """Yield, for each quantity, a table over recordings with their mean, or why it is missing."""
     metric = any(each.unit != "V" for each in calibrations)
     for each in means:
         mean = each.measured(metric=metric)

@@ -1,4 +1,4 @@
-"""Trajectories of free beads, also short ones, and their common diffusion coefficient."""
+"""Trajectories of free beads, including short ones, and their common diffusion coefficient."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ if TYPE_CHECKING:
 
 #: Smallest number of consecutive frames that determine a diffusion coefficient
 LEAST_FRAMES = 4
-#: Deviation of a step from a whole number of steps, beyond which frames are not on a grid
+#: Largest deviation of a time from a multiple of the sampling interval, in intervals
 _OFF = 0.2
-#: Largest relative difference of the steps of trajectories that are combined
+#: Largest relative difference between the sampling intervals of combined trajectories
 _ALIKE = 1e-3
 
 
 @name_last
 @dataclass(frozen=True, repr=False)
 class Trajectory(Shown):
-    """Positions of a free bead at even times, perhaps with gaps."""
+    """Positions of a free bead at even times, possibly with gaps."""
 
     step: float
     """Time between frames, s."""
@@ -49,7 +49,7 @@ class Trajectory(Shown):
     unit: str = "m"
     """Unit of the positions: "m" or "V"."""
     note: str = ""
-    """What was omitted."""
+    """Samples that were omitted, in words."""
 
     @classmethod
     def of(cls, recording: Recording) -> Trajectory:
@@ -219,7 +219,7 @@ def diffusion(
 def _on_grid(name: str, columns: Columns) -> Trajectory:
     """Return the trajectory of a bead from the columns of a table, with NaN for missing frames.
 
-    Raises `ResultError` if the times are not multiples of an even step.
+    Raises `ResultError` if the times are not multiples of a sampling interval.
     """
     axes = tuple(axis for axis in ("x", "y", "z") if axis in columns.columns)
     moving = tuple(axis for axis in axes if axis == axes[0] or np.nanstd(columns.columns[axis]) > 0)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from tweezer.values.errors import ResultError
 from tweezer.values.units import QuantityLike, to_si
 
-#: Largest standard uncertainty of a height, in gaps
+#: Largest standard uncertainty of a height, over the gap
 _UNSURE = 0.3
-#: The axis along the light, across the wall
+#: Axis along the light, perpendicular to the wall
 ACROSS = "z"
 
 
@@ -28,11 +28,11 @@ class Height:
     def of(
         cls, name: str, wall: QuantityLike | tuple[QuantityLike, QuantityLike], radius: float | None
     ) -> Height:
-        """Return the height in an argument: a number in m or text, perhaps with an uncertainty.
+        """Return the height from a number in m or a text, optionally with an uncertainty.
 
-        `name` is that of the recording, and `radius`, m, that of the bead. Raises `ResultError`,
-        naming it, for a bead that would be in the wall, without a radius, and for an uncertainty
-        that leaves no gap.
+        `name` is the name of the recording, for messages, and `radius`, m, the radius of the bead.
+        Raises `ResultError` for a bead that would be in the wall, without a radius, and for an
+        uncertainty comparable to the gap.
         """
         from tweezer.forces.wall import CLOSEST
 
@@ -62,17 +62,17 @@ class Height:
 
     @property
     def radii(self) -> float:
-        """The distance in radii."""
+        """Distance from the wall in bead radii."""
         return self.distance / self.radius
 
     def mobility(self, axis: str) -> float:
-        """Return the mobility along an axis over the mobility far from the wall, a number."""
+        """Return the mobility along an axis over the mobility far from the wall."""
         from tweezer.fluid import steady
 
         return steady(self.radii - 1)[int(axis == ACROSS)]
 
     def relative_uncertainty(self, axis: str) -> float:
-        """Return the relative uncertainty of the drag along an axis that the height's causes."""
+        """Return the relative uncertainty of the drag along an axis, from that of the height."""
         from tweezer.fluid import steady
 
         *mobility, along, across = steady(self.radii - 1)

@@ -23,9 +23,9 @@ from tweezer.calibration.spectra import (
 from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
 
-#: Highest frequency of a fit, in units of the roll-off of the spectrum.
+#: Highest frequency of a fit of the motion, in units of the roll-off of the spectrum.
 _RANGE = 20.0
-#: Largest product of the number of ordinates and the square of the leaked fraction.
+#: Largest product of the number of ordinates and the squared fraction due to leakage.
 _LEAKAGE = 0.1
 #: Smallest number of ordinates of a fit.
 _LEAST_ORDINATES = 50
@@ -34,15 +34,15 @@ _BLOCKS = 1000
 
 #: First step of a fit, in the logarithm of each parameter.
 _FIRST_STEP = 0.2
-#: Half the difference of coordinates for a slope.
+#: Half the change of a coordinate for computing a derivative.
 _DIFFERENCE = 1e-4
 #: Largest step of Fisher's scoring, in each coordinate.
 _LONGEST = 1.0
 #: Largest number of steps of Fisher's scoring.
 _MOST_STEPS = 60
-#: First damping of its steps, and the one at which it ends.
+#: Initial damping of its steps, and the damping at which it gives up.
 _DAMPING = (1e-3, 1e9)
-#: Standard uncertainties by which a part of the detector is seen, and that bound one that is not.
+#: Standard uncertainties above which a detector parameter is detected, and of its upper limit.
 _SEEN, _BOUND = 4.0, 2.0
 
 #: Parameters of a fit of the motion alone.
@@ -100,15 +100,15 @@ COORDINATES = {
 }
 
 
-#: Coordinates of parameters at which an upper limit excludes nothing, as no larger one exists.
+#: Coordinates at which an upper limit is meaningless, because larger values are impossible.
 _TRIVIAL = {"exposure": 1.0, "diode_fraction": 1.0}
 
 
 class Evidence(Protocol):
-    """Measured number with a Gaussian uncertainty, on which a fit is based beside the spectrum."""
+    """Measured number with a Gaussian uncertainty, used in a fit in addition to the spectrum."""
 
     def misfit(self, bead: TrappedBead) -> float:
-        """Return the deviation from the number expected for a bead, in standard uncertainties."""
+        """Return the deviation from the expected number for a bead, in standard uncertainties."""
         ...
 
     def per(self, response: float) -> Evidence:
@@ -120,29 +120,30 @@ class Evidence(Protocol):
 class Periodogram:
     """Periodogram of a record, averaged over blocks in which the spectrum is nearly constant.
 
-    Its ordinates are the densities at the Fourier frequencies. Densities are in V^2/Hz for volts.
+    Its ordinates are the densities at the Fourier frequencies. For a signal in V, densities are in
+    V^2/Hz.
     """
 
     frequencies: Array
-    """(blocks,) Hz, mean frequency of each block"""
+    """(blocks,) mean frequency of each block, Hz"""
     density: Array
-    """(blocks,) m^2/Hz, mean one-sided power spectral density of each block"""
+    """(blocks,) mean one-sided power spectral density of each block, m^2/Hz"""
     counts: Array
     """(blocks,) number of ordinates in each block"""
     step: float
     """sampling interval, s"""
     samples: float
-    """number of samples of the record; infinite if leakage is left out"""
+    """number of samples of the record; infinite to ignore leakage"""
     floor: float
-    """m^2/Hz, density at the highest frequencies of the record, the unit of the noise density"""
+    """density at the highest frequencies of the record, m^2/Hz, the unit of the noise density"""
     ends: Array
-    """(blocks, 2) Hz, the lowest and the highest ordinate of each block"""
+    """(blocks, 2) frequencies of the lowest and the highest ordinate of each block, Hz"""
     ordinates: Array
-    """(ordinates,) m^2/Hz, density at every Fourier frequency of the record"""
+    """(ordinates,) density at every Fourier frequency of the record, m^2/Hz"""
     without: tuple[tuple[float, float], ...] = ()
-    """bands (Hz) whose ordinates are left out"""
+    """bands of frequencies, Hz, whose ordinates are excluded"""
     beside: tuple[Evidence, ...] = ()
-    """further measured numbers that a fit takes into account"""
+    """further measured numbers that a fit uses"""
 
     @classmethod
     def of(
@@ -150,7 +151,7 @@ class Periodogram:
     ) -> Periodogram:
         """Return the periodogram of `positions` (n,), m, sampled every `step`, s.
 
-        `without` contains the bands (Hz) whose ordinates are left out.
+        `without` contains the bands, Hz, whose ordinates are excluded.
         """
         frequencies, density = power_spectrum(positions, step)
         n = frequencies.size
@@ -217,7 +218,7 @@ class Periodogram:
                 squares = sum(each.misfit(bead) ** 2 for each in self.beside)
         except ArithmeticError:
             return -math.inf
-        if not (expected > 0).all():  # rounding, far from any real bead
+        if not (expected > 0).all():  # rounding errors, far from any real bead
             return -math.inf
         return -float(self.counts @ (np.log(expected) + self.density / expected)) - squares / 2
 
@@ -238,9 +239,9 @@ class Periodogram:
     def differences(
         self, of: Callable[[TrappedBead], Array], bead: TrappedBead, free: Sequence[str]
     ) -> Array:
-        """Return the derivatives of the function `of` a bead by its coordinates, (free, ...).
+        """Return the derivatives of a function of a bead with respect to coordinates, (free, ...).
 
-        They are central differences, or one-sided at an end of a coordinate.
+        They are central differences, or one-sided at the end of a coordinate's range.
         """
         here, slopes = self.coordinates(bead, free), []
         with np.errstate(all="raise", under="ignore"):
@@ -253,14 +254,11 @@ class Periodogram:
         return np.array(slopes)
 
     def slopes(self, bead: TrappedBead, free: Sequence[str]) -> Array:
-        """Return the derivatives of ln S, S the expected density, by coordinates (free, blocks)."""
+        """Return the derivatives of the log of the expected density, (free, blocks)."""
         return self.differences(lambda each: np.log(self.expected(each)), bead, free)
 
     def slopes_beside(self, bead: TrappedBead, free: Sequence[str]) -> Array:
-        """Return the derivatives of the misfits of the evidence by the coordinates.
-
-        Their shape is (free, evidence).
-        """
+        """Return the derivatives of the misfits of the further evidence, (free, evidence)."""
 
         def misfits(each: TrappedBead) -> Array:
             return np.array([one.misfit(each) for one in self.beside])
@@ -280,19 +278,19 @@ class WhittleFit:
 
     @cached_property
     def log_likelihood(self) -> float:
-        """Log-likelihood, to compare with other fits of the same ordinates."""
+        """Log-likelihood, for comparison with other fits of the same ordinates."""
         return self.periodogram.log_likelihood(self.bead)
 
     @cached_property
     def ratios(self) -> Array:
-        """(ordinates,) density over its expectation at the frequencies that are covered."""
+        """(ordinates,) density over its expectation, at the single frequencies of the blocks."""
         part = self.periodogram
         frequencies, density = part.covered
         return density / self.bead.sampled_spectrum(frequencies, part.step, part.samples)
 
     @cached_property
     def slopes(self) -> Array:
-        """Derivatives of ln S by the coordinates, (free, blocks); S: expected density."""
+        """Derivatives of ln S, with the expected density S, by the coordinates, (free, blocks)."""
         return self.periodogram.slopes(self.bead, self.free)
 
     @cached_property
@@ -316,10 +314,10 @@ class WhittleFit:
         )
 
     def uncertainty(self, k: float, drag: float, response: float = 0.0) -> float:
-        """Return the standard uncertainty of a sum of logarithms of the fitted parameters.
+        """Return the standard uncertainty of a weighted sum of logarithms of fitted parameters.
 
-        `k`, `drag` and `response` are the factors of the logarithms of stiffness, drag and
-        response. So (1, -1) gives the relative uncertainty of the corner frequency.
+        `k`, `drag` and `response` are the weights of the logarithms of stiffness, drag and
+        response. For example, (1, -1) gives the relative uncertainty of the corner frequency.
         """
         weights = {"stiffness": k, "drag": drag, "response": response}
         of_free = np.array([weights.get(name, 0.0) for name in self.free])
@@ -342,7 +340,7 @@ class WhittleFit:
         seen = x > _SEEN * error and self._gain(name) > _SEEN**2 / 2
         uncertainty = value * error / (2 * x) if seen and value else None
         highest, end = x + _BOUND * error, _TRIVIAL.get(name, math.inf)
-        if name == "noise":  # at most all of the density at the highest frequencies
+        if name == "noise":  # at most the whole density at the highest frequencies
             highest = min(highest, 1.0)
         limit = coordinate.to(highest, self.periodogram) if highest < end else None
         if name == "diode_frequency" and limit is not None and limit < self.bead.corner_frequency:
@@ -361,14 +359,14 @@ class Detected:
     uncertainty: float | None
     """standard uncertainty of `value`; None if not determined"""
     limit: float | None
-    """95 % limit beyond which the effect would be seen: an upper limit, for a frequency a lower
-    limit; None without one"""
+    """95 % limit beyond which the effect would be visible: an upper limit, or a lower limit for a
+    frequency; None without a limit"""
 
 
 def inverse(information: Array) -> Array:
     """Return the covariance (n, n) of parameters from Fisher's information (n, n) on them.
 
-    A parameter without any information has an uncertainty of 10^6.
+    A parameter without information gets an uncertainty of 10^6.
     """
     values, vectors = eigh(information)
     return np.asarray((vectors / np.maximum(values, 1e-12)) @ vectors.T)
@@ -379,8 +377,8 @@ def fitted(
 ) -> WhittleFit:
     """Return the maximum-likelihood fit of the parameters `free`, starting at the bead `start`.
 
-    `tolerance` applies to the coordinates, and a tenth of it to the log-likelihood. Stiffness and
-    drag alone are fitted by the simplex method, and other parameters by Fisher's scoring.
+    `tolerance` applies to the coordinates, and a tenth of it to the log-likelihood. Fits of
+    stiffness and drag alone use the simplex method, all others Fisher's scoring.
     """
     if not set(free) <= set(MOTION) or periodogram.beside:
         return _scored(periodogram, start, free, tolerance)
@@ -402,8 +400,9 @@ def _scored(
 ) -> WhittleFit:
     """Return the fit of the parameters `free` by Fisher's scoring, starting at `start`.
 
-    Steps are damped as by Levenberg and Marquardt, and stay between the ends of the coordinates.
-    It ends when a step gains less than a tenth of `tolerance` in log-likelihood.
+    Steps are damped as in the Levenberg-Marquardt method, and stay within the ranges of the
+    coordinates. The fit ends when a step increases the log-likelihood by less than a tenth of
+    `tolerance`.
     """
     low, high = np.array([COORDINATES[name].ends for name in free]).T
     bead, damping = start, _DAMPING[0]
@@ -446,8 +445,8 @@ def usable(
 ) -> Periodogram:
     """Return the low-frequency part of a periodogram that a fit starting at `start` should use.
 
-    It ends at `_RANGE` times the roll-off of the spectrum, above which the bead hardly moves, or at
-    Nyquist's frequency if `to_the_end`. It ends earlier where leakage, which correlates the
+    It ends at 20 times the roll-off of the spectrum, above which the bead hardly moves, or at
+    the Nyquist frequency if `to_the_end`. It ends earlier if leakage, which correlates the
     ordinates, exceeds the noise of their sum.
     """
     sampled = start.sampled_spectrum(periodogram.frequencies, periodogram.step)
@@ -461,16 +460,16 @@ def usable(
 
 
 def best_start(periodogram: Periodogram, positions: Array, given: TrappedBead) -> TrappedBead:
-    """Return the most probable of a few beads, at which a fit starts.
+    """Return the initial bead of a fit, the most probable of a few.
 
     They are an overdamped and, with a mass, an underdamped bead. Their stiffness and drag follow
-    from the variance and correlation time of `positions` (n,), m, or the peak of the spectrum.
-    `given` has the temperature, mass and exposure, and the drag, or NaN if it is unknown.
+    from the variance and correlation time of `positions` (n,), m, or from the spectral peak.
+    `given` has the temperature, mass and exposure, and the drag, which is NaN if unknown.
     """
     kT = Boltzmann * given.temperature
     k = float(kT / np.var(positions))
     # Relaxation time, s. Squares decay twice as fast, but the inefficiency counts both directions
-    # of time; for an underdamped bead it is m/beta.
+    # of time. For an underdamped bead the time is m/beta.
     memory = periodogram.step * statistical_inefficiency((positions - positions.mean()) ** 2)
     starts = [dataclasses.replace(given, stiffness=k, drag=k * memory)]
     if given.mass is not None:

@@ -1,4 +1,4 @@
-"""Computing blocks: on threads of this machine, or on the workers of a Dask scheduler."""
+"""Computation of blocks, on threads of this process or on the workers of a Dask scheduler."""
 
 from __future__ import annotations
 
@@ -41,32 +41,32 @@ if TYPE_CHECKING:
     from distributed import Client
 
 
-#: Samples between two checks for a stop
+#: Number of samples between two checks whether to stop
 _PIECE_SAMPLES = 2**17
-#: Steps between two checks for a stop
+#: Number of steps between two checks whether to stop
 _PIECE_STEPS = 2**22
-#: Steps of a block between checkpoints within a window (minutes of work)
+#: Number of steps of a block between checkpoints within a window (minutes of work)
 _KEPT_STEPS = 2**31
 
 
 @dataclass(frozen=True)
 class Pool:
-    """Workers that compute blocks: functions to begin blocks and to stop them."""
+    """Workers that compute blocks: functions to submit blocks and to stop them."""
 
     submit: Callable[[int, Samples | None, dict[int, float]], Future[Gathered | None]]
-    """begins a block of that number; threads write to the given arrays, and enter the block's
-    finished part, of the ensemble, in the dictionary"""
+    """submits the block with a number; threads write to the given arrays, and update the block's
+    finished fraction of the ensemble in the dictionary"""
     width: Callable[[], int]
-    """returns the number of blocks computed at a time"""
+    """returns the number of blocks computed simultaneously"""
     stop: Callable[[], None]
-    """asks the blocks to end soon, unfinished"""
+    """asks the workers to abandon their blocks soon"""
     patience: float | None = None
-    """longest time to wait until they have stopped, s; None for no limit"""
+    """longest time to wait for workers to stop, s; None for no limit"""
 
 
 @contextlib.contextmanager
 def threads(job: Job, bound: Walk, workers: int) -> Iterator[Pool]:
-    """Provide a pool of `workers` threads of this process; bound: the walk of the scene."""
+    """Provide a pool of `workers` threads of this process; `bound` is the walk of the scene."""
     stopped = threading.Event()
     with ThreadPoolExecutor(workers) as executor:
         yield Pool(
@@ -82,7 +82,7 @@ def threads(job: Job, bound: Walk, workers: int) -> Iterator[Pool]:
 def cluster(job: Job, scheduler: str | Client) -> Iterator[Pool]:
     """Provide a pool of the workers of a Dask scheduler, given by its address or client.
 
-    They stop when a file in the folder of the ensemble is removed, which all of them see.
+    The workers stop when a file in the ensemble's folder is removed, which all of them can see.
     """
     with contextlib.ExitStack() as stack:
         client = stack.enter_context(client_of(scheduler))
@@ -94,7 +94,7 @@ def cluster(job: Job, scheduler: str | Client) -> Iterator[Pool]:
             run.touch()
 
         def stop() -> None:
-            """Remove the file without which the workers stop."""
+            """Remove the file whose existence the workers check."""
             with contextlib.suppress(OSError):
                 run.unlink(missing_ok=True)
 
@@ -113,10 +113,10 @@ def cluster(job: Job, scheduler: str | Client) -> Iterator[Pool]:
 
 
 def _block_there(job: Job, run: Path, index: int) -> Gathered | None:
-    """Compute a block in another process, by `_block`, which stops when the file `run` is gone.
+    """Compute a block in another process by `_block`, until the file `run` is removed.
 
-    Raises `TweezerError` if this process would compute other numbers. The statistics stay in the
-    file of the block and do not pass through the scheduler.
+    Raises `TweezerError` if this process would compute different numbers. The statistics stay in
+    the block's checkpoint, so that they do not pass through the scheduler.
     """
     bound = _bound(job.scene, job.seed)
     for key, value in found_of(bound).items():
@@ -131,7 +131,7 @@ def _block_there(job: Job, run: Path, index: int) -> Gathered | None:
 
 @functools.lru_cache(maxsize=2)
 def _bound(scene: str, seed: int) -> Walk:
-    """Return the walk of a scene (JSON) in a worker; it is kept for the next block."""
+    """Return the walk of a scene (JSON) in a worker, cached for the next block."""
     return walk(Scene.model_validate_json(scene), seed)
 
 
@@ -144,25 +144,25 @@ class _Output:
     index: int
     """number of the block"""
     bound: Walk
-    """the equations of motion and the times of samples"""
+    """equations of motion and times of samples"""
     identity: str
-    """digest of what the ensemble depends on, which checkpoints must share"""
+    """digest of the ensemble, by which its checkpoints are recognised"""
     arrays: Samples | None
     """arrays of trajectories to write to; None for statistics"""
     sums: dict[str, str]
-    """checksums of the chunks that are written, by their names"""
+    """checksums of the written chunks, by file name"""
     written: int
-    """number of frames of a camera that are written"""
+    """number of camera frames written so far"""
     frames: list[Array] = field(default_factory=list)
-    """frames that ended since, (trajectories, frames, axes) m each"""
+    """frames that ended since then, (trajectories, frames, axes), m, each"""
 
     @functools.cached_property
     def members(self) -> slice:
-        """Trajectories of the block."""
+        """Numbers of the trajectories in the block, as a slice."""
         return self.job.members(self.index)
 
     def _note(self, name: str, *at: int) -> None:
-        """Note the checksum of a chunk of an array that was written, at the chunk indices `at`."""
+        """Record the checksum of a written chunk of an array, with the chunk indices `at`."""
         if self.job.out is not None and self.arrays is not None:
             chunk = chunk_of(self.arrays, name, *at)
             self.sums[chunk] = checksum(self.job.out / chunk)
@@ -184,9 +184,10 @@ class _Output:
                 self._note(SEEN, self.index, chunk, 0)
 
     def write_window(self, window: int, samples: Array, lost: Array) -> None:
-        """Write the samples of a window, and after the last one the times of loss.
+        """Write the samples of a window and, after the last window, the times of loss.
 
-        samples: (trajectories, samples, columns). lost: (trajectories,) s, infinite without a loss.
+        `samples` is (trajectories, samples, columns), and `lost` (trajectories,) is in s, infinite
+        without a loss.
         """
         if self.arrays is None:
             return
@@ -203,10 +204,11 @@ class _Output:
     def keep(
         self, window: int, states: Array, samples: Array, statistics: Statistics | None
     ) -> None:
-        """Write the checkpoint of a block within a window.
+        """Write the checkpoint of a block within a window, or at its beginning.
 
-        window: its number. states: of the walk, with which it continues. samples: of the window so
-        far, (trajectories, samples, columns). statistics: so far, if they are gathered.
+        `window` is the number of the window. `states` are the states of the walk, `samples`
+        (trajectories, samples, columns) those of the window so far, and `statistics` those of the
+        block so far, or None if trajectories are stored.
         """
         if self.job.out is None:
             return
@@ -226,11 +228,12 @@ def _block(
     stopped: Callable[[], bool],
     parts: dict[int, float],
 ) -> Gathered | None:
-    """Compute a block from its checkpoint on; returns its statistics, or None if `stopped`.
+    """Compute block `index`, starting from its checkpoint; return its statistics, or None if
+    stopped.
 
-    index: number of the block. arrays: of trajectories, to write to; None for statistics and in
-    another process, which opens the store. stopped: returns whether the block is to end soon.
-    parts: gets the finished part of this block, as a part of the ensemble, under its number.
+    `arrays` are the arrays of trajectories to write to. They are None for statistics, and in
+    another process, which opens the store itself. `stopped` returns whether to abandon the block.
+    `parts[index]` is updated with the finished fraction of the ensemble in this block.
     """
     if stopped():
         return None
@@ -244,7 +247,7 @@ def _block(
     elif arrays is None:
         arrays = stored(job)
     window, states = 0, bound.start(trajectories)
-    sums: dict[str, str] = {}  # of the chunks that are written, by their names
+    sums: dict[str, str] = {}  # checksums of the written chunks, by file name
     before = np.empty((len(trajectories), 0, layout.width))  # samples of the current window
     if job.out is not None and (begun := kept(job, index, identity)):
         window, states, before = int(begun["window"]), begun["states"], begun["held"]
@@ -295,11 +298,11 @@ def _advance(
     *,
     filmed: bool,
 ) -> Iterator[tuple[int, Array, Array]]:
-    """Compute the samples from number `first` to before `end`, and yield them in pieces.
+    """Compute samples `first` to `end` - 1, and yield them in pieces.
 
-    A piece is the number of its first sample, the samples (trajectories, n, columns), and if
-    `filmed` the frames of a camera that end meanwhile, (trajectories, frames, axes). states: of
-    the walk, which are advanced. trajectories: their numbers, from which the noise follows.
+    A piece consists of the number of its first sample and the samples (trajectories, n, columns),
+    followed, if `filmed`, by the camera frames that end during it, (trajectories, frames, axes).
+    `states` of the walk are updated. The numbers of the `trajectories` determine their noise.
     """
     n, width = len(trajectories), bound.shown.width
     if first == 0:
@@ -316,9 +319,9 @@ def _advance(
 
 
 def _in_the_body(bound: Walk, samples: Array) -> Array:
-    """Return samples (..., columns) of a walk, with the angular velocity about the body's axes.
+    """Return samples (..., columns) with the angular velocity about the axes of the body.
 
-    It is changed in place from the form that the walk integrates. NaN after a loss remain.
+    It is converted in place from the form that the walk integrates. NaN after a loss remain NaN.
     """
     held = ~np.isnan(samples[..., POSITION.start])
     if "angular_velocity" in bound.shown and held.any():
