@@ -1,8 +1,8 @@
-"""Tables of positions over time, as programs of measurement write them: text, arrays, HDF5, TDMS.
+"""Reading of tables of positions over time: text, arrays, HDF5 and TDMS files.
 
-A file is opened as a `Table` of columns; those that are wanted are chosen by their headings, or by
-name (`Reading`), and put into SI units (`read_table`). `without_gaps` is the rule on what lacks.
-`__init__.pyi` lists the names. They are loaded when first used.
+A file is opened as a `Table` of columns. The required columns are chosen by their headings, or by
+the user's options (`Reading`), and converted to SI units (`read_table`). `without_gaps` fills or
+removes gaps. `__init__.pyi` lists the public names, which are loaded when first used.
 """
 
 import lazy_loader

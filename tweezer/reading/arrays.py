@@ -1,4 +1,4 @@
-"""Tables from arrays in files of NumPy and MATLAB."""
+"""Tables from arrays in NumPy and MATLAB files."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from tweezer.values.errors import ResultError
 
 #: First bytes of a .npy
 _NPY = b"\x93NUMPY"
-#: Largest number of bytes of an array in a packed file
+#: Largest size of an array in a compressed file, bytes
 _MOST_BYTES = 64 * MOST_SAMPLES
-#: How deep structures within structures are read
+#: Depth to which nested structures are read
 _DEPTH = 4
 
 
 def open_numpy(path: Path) -> Table:
-    """Return the columns of a .npy file, or those of the arrays in a .npz file by their names."""
+    """Return the columns of a .npy file, or of the named arrays in a .npz file."""
     if path.suffix.lower() == ".npz":
         with zipfile.ZipFile(path) as packed:
             if any(each.file_size > _MOST_BYTES for each in packed.infolist()):
@@ -56,7 +56,7 @@ def open_numpy(path: Path) -> Table:
 
 
 def open_matlab(path: Path) -> Table:
-    """Return the columns of a .mat file of version 4 to 7."""
+    """Return the columns of a .mat file of versions 4 to 7."""
     from scipy.io import loadmat, matlab, whosmat
 
     if matlab.matfile_version(path)[0] == 1:
@@ -82,7 +82,7 @@ def open_matlab(path: Path) -> Table:
 def _fields(variables: Any, depth: int, before: str = "") -> Iterator[tuple[str, Any]]:
     """Yield variables, and fields of structures, with their names joined by dots.
 
-    depth: levels of structures that are read.
+    `depth` is the number of levels of structures that are read.
     """
     from scipy.io import matlab
 
@@ -98,7 +98,7 @@ def _fields(variables: Any, depth: int, before: str = "") -> Iterator[tuple[str,
 
 
 def table_of_arrays(name: str, arrays: dict[str, NDArray[Any]]) -> Table:
-    """Return the columns of arrays, each a column or several.
+    """Return the columns of arrays with one or several columns each.
 
     A single number may be the sampling rate.
     """

@@ -1,4 +1,4 @@
-"""Which columns of a table are read, and their numbers in SI units."""
+"""Selection of the columns of a table that are read, and their conversion to SI units."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from tweezer.reading.table import Array, Table, refuse_too_long
 from tweezer.reading.times import at_even_times, of_frames
 from tweezer.values.errors import ResultError, SeveralBeadsError
 
-#: Deviation of a rate from that of times which are not read, beyond which a note reports it
+#: Relative deviation of the given rate from unread times, above which a note reports it
 _ANOTHER_RATE = 0.05
 #: Largest number of headings in an error message
 _NAMES_TOLD = 10
 
 
 class Wanted(NamedTuple):
-    """Requirements of the caller on a table: which coordinates, and whether voltages will do."""
+    """Requirements of the caller: which coordinates a table must have, and in which units."""
 
     axes: tuple[str, ...]
     """coordinates that the table must have, such as ("x", "y")"""
@@ -42,42 +42,41 @@ class Wanted(NamedTuple):
 
 
 class Columns(NamedTuple):
-    """Numbers read from a table: the times, positions and stage motion of one bead."""
+    """Numbers from a table: the times, positions and stage motion of one bead."""
 
     times: Array
-    """(n,) s"""
+    """(n,) times, s"""
     columns: dict[str, Array]
-    """(n,) each: those of "x", "y" and "z" that the table has, in `unit`, and the motion of the
-    stage, "drive", m"""
+    """(n,) coordinates "x", "y" and "z" that the table has, in `unit`, and the motion of the stage,
+    "drive", m"""
     unit: str
     """unit of x, y and z: "m" or "V\""""
     note: str
-    """what was done to the numbers, such as rows sorted or left out; "" for nothing"""
+    """changes to the numbers, such as rows that were sorted or omitted; "" for none"""
     dated: bool
-    """whether the order of the rows is known, by times or frames that were read"""
+    """whether times or frame numbers were read, which determine the order of the rows"""
 
 
 class _Place(NamedTuple):
-    """A column that is read, and the units stated for it."""
+    """A column to read, and the units stated for it."""
 
     column: int
-    """its number in the table, from 0"""
+    """number of the column in the table, from 0"""
     units: tuple[str, ...] = ()
-    """units stated in the option --columns, in its heading and in a line or attribute beside it;
+    """units stated in the option --columns, in the heading and in a line or attribute of units;
     they must agree"""
 
 
 def read(table: Table, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
-    """Read the columns that are wanted from a table, and return them by the label of the bead.
+    """Read the required columns from a table, and return them by the label of the bead.
 
-    A table of one bead has the label "". Numbers are in SI units, or V. Raises `ResultError`,
-    naming the file and, where it is known, the remedy.
-
-    reading: options of the user. wanted: requirements of the caller.
+    A table of one bead has the label "". Numbers are in SI units, or in V. Raises `ResultError`
+    with the name of the file and, if possible, the remedy. `reading` contains the user's options,
+    and `wanted` the requirements of the caller.
     """
     _refuse_spectrum(table, reading)
     places = _places(table, reading, wanted)
-    # with numbers of frames and a rate, a column of times is only compared with them
+    # with frame numbers and a rate, a column of times is only compared with them
     beside = places.pop("t", None) if "frame" in places else None
     of_bead = places.pop("bead", None)
     axes = [axis for axis in AXES if axis in places]
@@ -129,7 +128,7 @@ def read(table: Table, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
 
 
 def only(name: str, found: dict[str, Columns]) -> Columns:
-    """Return the columns of the one bead. Raises `SeveralBeadsError` if there are several."""
+    """Return the columns of the only bead; raises `SeveralBeadsError` if there are several."""
     if len(found) > 1:
         raise SeveralBeadsError(
             f"{name}: has {len(found)} beads; name the one to be read, such as --bead "
@@ -145,10 +144,10 @@ def _sorted(
     values: dict[str, Array],
     rate: float | None,
 ) -> tuple[dict[str, Array], str]:
-    """Return the values with their rows in order of time, and a note on what was done.
+    """Return the values with rows sorted by time, and a note on what was done.
 
-    name: of file and bead, for messages. places: columns that were read, by quantity. values: (n,)
-    numbers by quantity, in SI units. rate: of the rows, Hz, if it is given.
+    `name` describes file and bead in messages. `places` has the columns that were read and `values`
+    their numbers (n,), in SI units, by quantity. `rate` is the given rate of the rows, Hz, or None.
     """
     stamps = values.get("frame", values.get("t"))
     if stamps is None:
@@ -176,11 +175,11 @@ def _unread_stamps(
 ) -> str:
     """Compare the given rate with a column of times that is not read, and return a note.
 
-    The note is "" unless the rates differ by more than 5 %. Raises `ResultError` if a column of
-    times or frames shows that the rows are in another order.
+    The note is "" unless the rates differ by more than 5 %. Raises `ResultError` if an unread
+    column of times or frame numbers shows that the rows are out of order.
 
-    name: of file and bead, for messages. places: columns that are read, by quantity. rows: (n,)
-    booleans, the rows of the bead. rate: Hz.
+    `name` describes file and bead in messages, `places` has the columns that are read, by quantity,
+    `rows` (n,) selects the rows of the bead, and `rate` is in Hz.
     """
     groups = {table.columns[place.column].group for place in places.values()}
     for index, column in enumerate(table.columns):
@@ -189,7 +188,7 @@ def _unread_stamps(
             continue
         try:
             (stamps,) = table.numbers([index])
-        except ResultError:  # dates, say
+        except ResultError:  # not numbers, for example dates
             continue
         if len(stamps) != len(rows):
             continue
@@ -210,13 +209,12 @@ def _unread_stamps(
 def _beads(
     table: Table, places: dict[str, _Place], reading: Reading, chosen: _Place | None, length: int
 ) -> Iterator[tuple[str, NDArray[Any], str]]:
-    """Yield each bead to be read: its label, its rows as (n,) booleans, and a note.
+    """Yield each bead to read: its label, its rows as (n,) booleans, and a note.
 
-    The labels come from the column `chosen` in --columns, or else from the first column whose
-    heading names beads. Such a column must be as long as the columns that are read, and share a
-    group of the file with one of them. Without labels there is one bead "" with all rows.
-
-    places: columns that are read, by quantity. length: number n of their rows.
+    Labels come from the column `chosen` in --columns, otherwise from the first column whose heading
+    denotes beads. That column must be as long as the columns that are read, and be in the same
+    group of the file as one of them. Without labels, the only bead "" has all rows. `places` has
+    the columns that are read, by quantity, and `length` is the number n of their rows.
     """
     groups = {table.columns[place.column].group for place in places.values()}
     of_beads = [
@@ -233,7 +231,7 @@ def _beads(
                 )
             continue
         distinct = [each for each in dict.fromkeys(labels.tolist()) if each]
-        if len(distinct) == length > 1:  # a number of each row
+        if len(distinct) == length > 1:  # the column numbers the rows
             continue
         if reading.bead is not None and distinct:
             if _label(reading.bead) not in distinct:
@@ -262,9 +260,9 @@ def _beads(
 
 
 def _labels(table: Table, index: int) -> NDArray[Any]:
-    """Return the label of the bead in each row of a column, (n,) texts; "" for a row without one.
+    """Return the label of the bead in each row of column `index`, (n,); "" for a row without one.
 
-    index: number of the column, from 0. Numbers are written the same way whether 1 or 1.0.
+    Labels that are numbers have a standard form, so that 1 and 1.0 are equal.
     """
     try:
         (numbers,) = table.numbers([index])
@@ -277,7 +275,7 @@ def _labels(table: Table, index: int) -> NDArray[Any]:
 
 
 def _label(text: str) -> str:
-    """Return the label of a bead as the user gives it, with a number written as `_labels` does."""
+    """Return the label of a bead as given by the user, in the form that `_labels` uses."""
     try:
         return f"{float(text):.15g}"
     except ValueError:
@@ -285,10 +283,10 @@ def _label(text: str) -> str:
 
 
 def _places(table: Table, reading: Reading, wanted: Wanted) -> dict[str, _Place]:
-    """Return the columns to be read, by their quantity: t, frame, bead, x, y, z or drive.
+    """Return the columns to read, by quantity: t, frame, bead, x, y, z or drive.
 
-    They are those named by --columns, or else by their headings. Raises `ResultError` if a
-    coordinate that is wanted, the stage or the times are missing and no rate is given.
+    They are named by --columns, or found by their headings. Raises `ResultError` if a required
+    coordinate or the stage is missing, or if times are missing and no rate is given.
     """
     if reading.columns:
         places = {each.quantity: _place(table, each) for each in reading.columns}
@@ -337,10 +335,10 @@ def _places(table: Table, reading: Reading, wanted: Wanted) -> dict[str, _Place]
 
 
 def _refuse_spectrum(table: Table, reading: Reading) -> None:
-    """Raise `ResultError` for a table of a power spectrum, unless --columns names other columns.
+    """Raise `ResultError` for the table of a power spectrum, unless --columns names other columns.
 
-    A spectrum has a column of frequencies and one of powers. Beside a column whose heading begins
-    with "freq", any other column counts as powers.
+    A spectrum has columns of frequencies and powers. If a heading begins with "freq", any other
+    column counts as powers.
     """
     quantities = {understood(column.heading).quantity for column in table.columns}
     kinds = [of_a_spectrum(column.heading, column.unit) for column in table.columns]
@@ -354,7 +352,7 @@ def _refuse_spectrum(table: Table, reading: Reading) -> None:
             return
         kinds = [each or "power" for each in kinds]
     elif reading.columns:
-        with contextlib.suppress(ResultError):  # of a column that is not there
+        with contextlib.suppress(ResultError):  # for a column that does not exist
             if not any(kinds[_place(table, each).column] for each in reading.columns):
                 return
     frequency, power = (
@@ -367,7 +365,7 @@ def _refuse_spectrum(table: Table, reading: Reading) -> None:
 
 
 def are_headings(cells: list[str], reading: Reading, wanted: Wanted) -> bool:
-    """Return whether the cells of a line of text are the headings of the wanted columns.
+    """Return whether the cells of a line of text are the headings of the required columns.
 
     This finds the line of headings below other lines at the beginning of a file.
     """
@@ -381,14 +379,14 @@ def are_headings(cells: list[str], reading: Reading, wanted: Wanted) -> bool:
 
 
 def _has_rate(table: Table, places: dict[str, _Place]) -> bool:
-    """Return whether the file states the sampling interval of one of the columns that are read."""
+    """Return whether the file states the sampling interval of a column that is read."""
     return any(table.columns[place.column].step is not None for place in places.values())
 
 
 def _place(table: Table, chosen: Chosen) -> _Place:
-    """Return the column that the user chose by its number, name or heading, with its units.
+    """Return the column that the user chose by number, name or heading, with its units.
 
-    Units that do not belong to the quantity are ignored if another one does.
+    Units that do not fit the quantity are ignored if another one does.
     """
     unit = chosen.unit
     if chosen.place is None:
@@ -407,10 +405,10 @@ def _place(table: Table, chosen: Chosen) -> _Place:
 
 
 def _called(table: Table, chosen: Chosen) -> tuple[int, str | None]:
-    """Return the number of the column with a chosen name, and the unit in brackets after the name.
+    """Return the number of the column with the chosen name, and a unit in brackets after the name.
 
     The name may be the column's full name, its heading, or its heading without the unit. Raises
-    `ResultError` unless exactly one column has it.
+    `ResultError` unless it denotes exactly one column.
     """
     names = [_folded(column.name) for column in table.columns]
     headings = [_folded(column.heading) for column in table.columns]
@@ -434,17 +432,17 @@ def _called(table: Table, chosen: Chosen) -> tuple[int, str | None]:
 
 
 def _folded(name: str) -> str:
-    """Return a name in small letters, with single spaces and nothing around it, for comparison."""
+    """Return a name for comparison: lower case, single spaces, nothing around it."""
     return " ".join(name.strip(AROUND).lower().split())
 
 
 def _by_headings(
     table: Table, quantities: Sequence[str], groups: Set[str] = frozenset()
 ) -> dict[str, _Place]:
-    """Return the columns whose headings name one of `quantities`, by quantity.
+    """Return the columns whose headings denote one of `quantities`, by quantity.
 
-    Of several columns for a quantity, those in one of `groups` of the file are preferred, then
-    those whose heading has no other words. Raises `ResultError` if several remain.
+    If several columns denote the same quantity, those in one of `groups` of the file are preferred,
+    then those whose heading has no other words. Raises `ResultError` if several remain.
     """
     found: dict[str, list[tuple[bool, _Place]]] = {}
     for index, column in enumerate(table.columns):
@@ -485,8 +483,8 @@ def _refuse_missing(
 ) -> NoReturn:
     """Raise `ResultError` for a table that lacks columns, with ways to read it.
 
-    places: columns found, by quantity. missing: quantities without a column. drive: heading of the
-    column of the stage, if it is wanted.
+    `places` has the columns found, by quantity, and `missing` the quantities without a column.
+    `drive` is the heading of the stage's column, if it is required.
     """
     used = {place.column for place in places.values()}
     others = [each.name for i, each in enumerate(table.columns) if i not in used]
@@ -508,11 +506,11 @@ def _refuse_missing(
 
 
 def _others(table: Table, lacking: list[str], used: Set[int]) -> Iterator[str]:
-    """Yield an entry for --columns, such as "x=Channel 3", for each quantity that is lacking.
+    """Yield an entry for --columns, such as "x=Channel 3", for each quantity that is `lacking`.
 
-    A column fits by its numbers: times ascend, positions do not, and numbers that rise by 1 are
-    frames, not times. Columns with a unit of the quantity are preferred. Without a fitting column
-    the entry is "x=...". used: numbers of the columns that are read already.
+    A column is suggested by its numbers: times ascend, positions do not, and numbers that increase
+    by 1 are frames. Columns with a unit of the quantity are preferred. Without a suitable column
+    the entry is "x=...". `used` contains the numbers of the columns that are read already.
     """
     left = [index for index in range(len(table.columns)) if index not in used]
 
@@ -546,16 +544,16 @@ def _there(table: Table) -> str:
 
 
 def short(text: str) -> str:
-    """Return a text, cut to 40 characters to fit into a line."""
+    """Return a text, shortened to 40 characters for a message."""
     return text if len(text) <= 40 else text[:37] + "..."
 
 
 def _factor(
     table: Table, quantity: str, place: _Place, reading: Reading, wanted: Wanted
 ) -> tuple[float, str]:
-    """Return the factor that converts a column to SI units, or to V, and that unit: "m", "V", "s".
+    """Return the factor that converts a column to SI units or V, and that unit: "m", "V" or "s".
 
-    Raises `ResultError` for unknown or contradictory units, and for pixels or volts that need a
+    Raises `ResultError` for unknown or contradictory units, and for pixels or volts that require
     --scale.
     """
     heading = short(table.columns[place.column].heading.strip(AROUND)) or quantity
@@ -592,11 +590,11 @@ def _factor(
 def _times(
     table: Table, reading: Reading, values: dict[str, Array], step: float | None
 ) -> tuple[Array, str]:
-    """Return the times of the rows, (n,) s, and a note on them.
+    """Return the times of the rows, (n,), s, and a note on them.
 
-    They come from the numbers of frames and their rate, from the rate or `step` alone, or from a
-    column of times. values: (n,) numbers by quantity. step: sampling interval stated in the file,
-    s.
+    They come from frame numbers and their rate, from the rate or `step` alone, or from a column of
+    times. `values` has the numbers (n,) by quantity, and `step` is the sampling interval stated in
+    the file, s.
     """
     rate = reading.rate if reading.rate is not None else step and 1 / step  # None without both
     if "frame" in values:
@@ -619,8 +617,8 @@ def _said_by_times(
 ) -> str:
     """Compare the frames and their rate with a column of times, and return a note.
 
-    The note is "" if they agree, and if the column cannot be compared because it has, for example,
-    dates. frames: (n,) numbers of frames. place: the column of times.
+    The note is "" if they agree, or if the column `place` cannot be compared, for example because
+    it contains dates. `frames` are the frame numbers (n,).
     """
     assert reading.rate is not None
     try:

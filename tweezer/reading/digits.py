@@ -1,7 +1,7 @@
-"""Samples that were not measured, recognised from the digits of a recording.
+"""Detection of samples that were not measured, from the digits of a recording.
 
-Each test compares exact coincidences with near ones: positions that move by a few of their last
-digits are as probable as positions that do not move at all.
+Each test compares exact coincidences with near ones, because displacements by a few of the last
+digits are as probable as no displacement.
 """
 
 from __future__ import annotations
@@ -16,33 +16,33 @@ from tweezer.reading.table import Array
 
 Rows = NDArray[np.bool_]
 
-#: Number of exact coincidences, and their ratio to those expected, that are not chance
+#: Smallest number of exact coincidences, and its ratio to chance, that are significant
 _LEAST, _RATIO = 5, 5.0
-#: The same number for one mark, the most frequent of all positions
+#: Smallest number of occurrences of a mark, the most frequent position
 _LEAST_MARKS = 10
-#: Number of neighbouring values to either side in which near coincidences are counted
+#: Number of neighbouring values on each side in which near coincidences are counted
 _NEAR = 3
-#: Largest step of the digits, over the scatter, with which coincidences and lines are counted
+#: Largest step of the digits, over the scatter, for counting coincidences and straight lines
 _FINE, _FINEST = 0.3, 0.05
 #: Largest number of marks of lost frames
 _MARKS = 3
-#: Distance of a mark from all other positions, in their standard deviations
+#: Smallest distance of an isolated mark from all other positions, in their standard deviations
 _ALONE = 0.5
-#: Deviation of a number from a whole one that is rounding
+#: Deviation from a whole number that counts as rounding
 _WHOLE = 1e-3
-#: Part of an extent that is no difference
+#: Fraction of the extent below which a difference counts as zero
 _ROUNDING = 1e-12
-#: Fraction of rows that repeat earlier ones at one lag, beyond which they are a copy
+#: Fraction of rows that repeat earlier ones at one lag, above which they are a copy
 _COPIED = 0.02
-#: Smallest number of samples in which coincidences are searched
+#: Smallest number of samples for the search for coincidences
 _SHORTEST = 20
-#: Number of samples whose copies are looked for
+#: Number of samples whose copies are sought
 _PROBES = 50
-#: Largest number of samples in which a step or a mark is looked for
+#: Number of samples in which a step or a mark is sought
 _LOOKED_AT = 20_000
-#: Parts of the coordinates in one number for a row (those of the plastic number)
+#: Factors that combine the coordinates of a row into one number (powers of the plastic number)
 _PARTS = np.array([1.0, 0.7548776662466927, 0.5698402909980532])
-#: Fraction of samples that may be missing
+#: Largest fraction of samples that may be made missing
 _FEW = 0.05
 
 
@@ -50,13 +50,14 @@ class Unmeasured(NamedTuple):
     """Rows whose positions were not measured."""
 
     marks: Rows
-    """(n,) booleans: rows with a number that stands for a lost frame, such as 0 or -1"""
+    """(n,) whether a row has a number that marks a lost frame, such as 0 or -1"""
     repeated: Rows
-    """(n,) booleans: rows equal to the row before them"""
+    """(n,) whether a row equals the row before it"""
     between: Rows
-    """(n,) booleans: rows on the straight line between their two neighbours"""
+    """(n,) whether a row is on the straight line between its neighbours"""
     said: tuple[str, ...]
-    """a phrase for each kind of row that was found, with its number, for notes and findings"""
+    """phrase for each kind of row that was found, with the number of rows, for notes and findings
+    """
 
     @property
     def copies(self) -> Rows:
@@ -65,9 +66,9 @@ class Unmeasured(NamedTuple):
 
 
 def unmeasured(positions: Array) -> Unmeasured:
-    """Return which rows of positions, (n, axes), were not measured, as their digits show.
+    """Return which rows of positions, (n, axes), were not measured according to their digits.
 
-    Marks of lost frames are searched in all axes together, then in each axis by itself.
+    Marks of lost frames are sought in all axes together, then in each axis alone.
     """
     if np.isfinite(positions).all(axis=1).sum() < _SHORTEST:
         none = np.zeros(len(positions), bool)
@@ -125,7 +126,7 @@ def measured(times: Array, positions: Array) -> tuple[NDArray[np.int64], Array, 
             notes += [each for each in found.said if "the same numbers" not in each]
         lost = lost | copies
     elif not lost.any() and len(kept) > 2 and np.isfinite(times).all():
-        # kept rows are even if their indices lie on a line: `slope` recorder steps per new sample
+        # kept rows are even if their indices are on a line: `slope` recorder steps per new sample
         slope, start = np.polyfit(np.arange(len(kept)), kept, 1)
         if np.abs(kept - start - slope * np.arange(len(kept))).max() <= 0.5 + _WHOLE:
             step = float(times[-1] - times[0]) / (len(times) - 1)
@@ -139,10 +140,10 @@ def measured(times: Array, positions: Array) -> tuple[NDArray[np.int64], Array, 
 
 
 def step_of(values: Array) -> float:
-    """Return the resolution of a recording: the step of which all values are whole multiples.
+    """Return the resolution of a recording: the step of which all values are multiples.
 
-    Returns 0 if no such step exists. The step, in the unit of the values, is the smallest gap
-    between distinct values, averaged over all gaps.
+    The step, in the unit of the values, is the smallest gap between distinct values, averaged over
+    all gaps. Returns 0 if no such step exists.
     """
     distinct = np.unique(_some(values[np.isfinite(values)]))
     if len(distinct) < 2:
@@ -152,19 +153,18 @@ def step_of(values: Array) -> float:
     step = float(gaps.min()) if len(gaps) else 0.0
     if not step or (distinct[-1] - distinct[0]) / step > 1e8:
         return 0.0
-    numbers = gaps / step  # steps in each gap, which must be whole numbers
+    numbers = gaps / step  # number of steps in each gap, which must be whole
     if np.abs(numbers - np.rint(numbers)).max() > 0.1:
         return 0.0
     return float(gaps.sum() / np.rint(numbers).sum())
 
 
 def copied(positions: Array) -> str:
-    """Return a sentence on rows that are a copy of earlier ones, or "" if there are none.
+    """Return a sentence on rows that are a copy of earlier ones; "" without a copy.
 
     A copy exists if, at one lag (a number of rows between original and copy), far more rows are
-    equal than at the next lag, where equality is chance. The lag is the most frequent distance
-    between equal positions around 50 probe rows.
-
+    equal than at the next lag, where equality is due to chance. The lag is the most frequent
+    distance between equal positions around 50 probe rows.
     Parameters
     ----------
     positions : ndarray, shape (n, axes)
@@ -172,11 +172,11 @@ def copied(positions: Array) -> str:
     n, lags = len(positions), []
     for place in np.linspace(0, n - 1, _PROBES).astype(int):
         alike = np.flatnonzero(positions[:, 0] == positions[place, 0])
-        if len(alike) <= _PROBES:  # else the digits are too few
+        if len(alike) <= _PROBES:  # otherwise the digits are too few
             lags += [abs(int(each) - int(place)) for each in alike if abs(int(each) - place) > 1]
     if not lags:
         return ""
-    lag = max(set(lags), key=lambda each: (lags.count(each), -each))  # of equals the shortest
+    lag = max(set(lags), key=lambda each: (lags.count(each), -each))  # the shortest of equals
     same = (positions[lag:] == positions[:-lag]).all(axis=1)
     beside = (positions[lag + 1 :] == positions[: -lag - 1]).all(axis=1)
     if same.sum() <= max(_LEAST + _RATIO * beside.sum(), _COPIED * n):
@@ -189,17 +189,17 @@ def copied(positions: Array) -> str:
 
 
 def _share(rows: Rows, n: int) -> str:
-    """Return how many of `n` rows are set: as numbers below 1 %, else as a percentage."""
+    """Return how many of `n` rows are set: as numbers below 1 %, otherwise as a percentage."""
     count = int(rows.sum())
     return f"{count:,} of {n:,}" if count < 0.01 * n else f"{100 * count / n:.2g} % of the"
 
 
 def _marks(positions: Array) -> tuple[Rows, list[str]]:
-    """Find the rows of `positions`, (n, axes), that have a mark of a lost frame.
+    """Find the rows of `positions`, (n, axes), that contain a mark of a lost frame.
 
-    A mark is one set of numbers, such as (0, 0), that occurs far more often than the values around
-    it, and lies among the positions or far outside them, but not at the end of their range. Up to
-    three marks are found, the most frequent first. A stretch of equal rows counts once.
+    A mark is one set of numbers, such as (0, 0), that occurs far more often than nearby values. It
+    is among the positions or far outside them, but not at the end of their range. Up to three marks
+    are found, the most frequent first. A stretch of equal rows counts once.
 
     Returns the rows, (n,) booleans, and a phrase for each mark.
     """
@@ -212,8 +212,8 @@ def _marks(positions: Array) -> tuple[Rows, list[str]]:
             break
         begins = rest & ~(np.concatenate([[False], _same_as_before(positions)]))
         rows = _some(positions[begins])
-        # Rows are counted by one number each, a sum of the coordinates with irrational factors,
-        # which differs for different rows and is faster to sort than rows
+        # Each row is represented by one number, a sum of the coordinates with irrational factors.
+        # It differs for different rows and is faster to sort than rows.
         _, first, counts = np.unique(
             rows @ _PARTS[: rows.shape[1]], return_index=True, return_counts=True
         )
@@ -224,8 +224,8 @@ def _marks(positions: Array) -> tuple[Rows, list[str]]:
         others = positions[rest & (positions != mark).any(axis=1)]
         if not len(others):
             break
-        # Chance: rows in the box of neighbouring values about the mark, over the cells of this box.
-        # An axis with too few distinct values cannot be tested, and leaves the box as it is
+        # Number by chance: rows in the box of neighbouring values around the mark, divided by the
+        # cells of the box. An axis with too few distinct values cannot be tested and is ignored.
         near, cells, edge = np.ones(len(others), bool), 1, False
         for column, value in zip(others.T, mark, strict=True):
             outside = value >= column.max() or value <= column.min()
@@ -250,28 +250,27 @@ def _marks(positions: Array) -> tuple[Rows, list[str]]:
 
 
 def _same_as_before(positions: Array) -> Rows:
-    """Return whether each row but the first equals its predecessor, as (n - 1,) booleans."""
+    """Return whether each row after the first equals the previous row, as (n - 1,) booleans."""
     return np.asarray((positions[1:] == positions[:-1]).all(axis=1))
 
 
 def _repeated(positions: Array, without: Rows) -> Rows:
-    """Return the rows that equal their predecessor in all axes, if chance does not explain them.
+    """Return the rows that equal the previous row in all axes, unless it may be by chance.
 
-    The number expected by chance is taken from moves of up to three digits, which are as probable
-    as no move. Returns no rows if there are not far more than that.
-
-    positions: (n, axes). without: (n,) booleans, rows that are left out, such as marks.
+    The number expected by chance follows from displacements of up to three digits, which are as
+    probable as no displacement. If the rows are not far more, none are returned. `positions` is
+    (n, axes), and `without` (n,) selects rows that are excluded, such as marks.
     """
     none = np.zeros(len(positions), bool)
     same = np.concatenate([[False], _same_as_before(positions)]) & ~without
-    for column in positions.T if same.any() else ():  # a range that ends there also repeats
+    for column in positions.T if same.any() else ():  # at the end of its range it may repeat, too
         for end in np.nanmin(column), np.nanmax(column):
             if ((column == end) & ~same).sum() > _LEAST:
                 same &= column != end
     if same.sum() <= _LEAST:
         return none
-    # A move of at most _NEAR distinct values in each axis falls into one of `cells` equally
-    # probable cells, one of which is no move. An axis with coarse digits cannot be tested
+    # A displacement of at most _NEAR distinct values in each axis is in one of `cells` equally
+    # probable cells, one of which is no displacement. Axes with coarse digits cannot be tested.
     near, cells = np.ones(len(positions) - 1, bool), 1
     for column in positions.T:
         moves = np.diff(np.unique(column, return_inverse=True)[1].astype(np.int64))
@@ -283,19 +282,18 @@ def _repeated(positions: Array, without: Rows) -> Rows:
 
 
 def _between(positions: Array, without: Rows) -> Rows:
-    """Return the rows on the line between their neighbours, if chance does not explain them.
+    """Return the rows on the line between their neighbours, unless it may be by chance.
 
     A row is on the line if its second difference is zero within rounding in all axes. The number
-    expected by chance is taken from rows within five times that distance. Returns no rows if there
-    are not far more than that.
-
-    positions: (n, axes). without: (n,) booleans, rows that are left out, such as marks.
+    expected by chance follows from rows within five times that distance. If the rows are not far
+    more, none are returned. `positions` is (n, axes), and `without` (n,) selects rows that are
+    excluded, such as marks.
     """
     exact, near = np.ones(len(positions), bool), np.ones(len(positions), bool)
     exact[[0, -1]] = near[[0, -1]] = False
     exact[1:-1] &= (positions[2:] != positions[:-2]).any(axis=1)
-    # `inside`: bound on the second difference of three numbers on a line, in steps of the digits:
-    # rounding each to half a step adds up to 2. `levels`: axes with digits fine enough for the test
+    # `inside`: bound on the second difference of three numbers on a line, in steps of the digits,
+    # because rounding errors of half a step add up to 2. `levels`: number of axes with fine digits
     inside, levels = 2.1, 0
     for column in positions.T:
         bends = np.diff(column, 2)
@@ -315,14 +313,14 @@ def _between(positions: Array, without: Rows) -> Rows:
 
 
 def _some(rows: Array) -> Array:
-    """Return every k-th row, so that at most about 40,000 of many rows are left for sorting."""
+    """Return every k-th row, so that at most about 40,000 rows remain for sorting."""
     return rows[:: max(len(rows) // _LOOKED_AT, 1)]
 
 
 def _long(rows: Rows) -> Rows:
-    """Return the rows that lie in stretches of more than `LONGEST` consecutive True.
+    """Return which rows are in stretches of more than `LONGEST` consecutive True, (n,).
 
-    Gaps of up to `LONGEST` samples can be filled in; these cannot. Both are (n,) booleans.
+    Gaps of up to `LONGEST` samples can be filled, longer ones cannot.
     """
     edges = np.flatnonzero(np.diff(np.concatenate([[False], rows, [False]])))
     found = np.zeros(len(rows), bool)

@@ -1,4 +1,4 @@
-"""Missing samples of a recording, drawn at random given their neighbours."""
+"""Random values for missing samples of a recording, given their neighbours."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from tweezer.reading.table import Array
 
-#: Largest number of missing samples in a row that are filled in
+#: Largest number of consecutive missing samples that are filled
 LONGEST = 10
-#: Number of samples on either side of a gap on which its samples are conditioned
+#: Number of samples on each side of a gap that determine its distribution
 _NEIGHBOURS = 4
-#: Eigenvalue of the neighbours' covariance over the largest, below which it is rounding
+#: Ratio of an eigenvalue of the neighbours' covariance to the largest below which it is rounding
 _ALIKE = 1e-12
-#: Number of passes; each computes the correlations from the record as the last one filled it in
+#: Number of passes; each computes correlations from the record filled by the previous one
 _PASSES = 3
 
 
@@ -29,22 +29,22 @@ class _Rule(NamedTuple):
     """
 
     weights: Array
-    """(m, k): factors of the neighbours in the conditional mean"""
+    """(m, k) factors of the neighbours in the conditional mean"""
     scatter: Array
-    """(m, m): square root of the conditional covariance, in the unit of the samples"""
+    """(m, m) square root of the conditional covariance, in the unit of the samples"""
 
 
 def filled(column: Array, there: NDArray[np.bool_]) -> Array:
-    """Return a recorded column, (n,), with its missing samples replaced by random draws.
+    """Return a recorded column, (n,), with its missing samples replaced by random values.
 
-    The draws are from the normal distribution conditional on the neighbouring samples, with the
-    correlations of the record itself (J.-P. Chilès and P. Delfiner, Geostatistics, 2012). They
-    preserve variances and spectra on average; a straight line would remove thermal motion.
+    They are drawn from the normal distribution conditional on the neighbouring samples, with the
+    correlations of the record itself (J.-P. Chilès and P. Delfiner, Geostatistics, 2012). This
+    preserves variances and spectra on average, while a straight line would remove thermal motion.
 
-    there: (n,) booleans, False for missing samples. Gaps must have at most `LONGEST` samples, and
-    the first and the last sample must be there.
+    `there` (n,) is False for missing samples. Gaps must have at most `LONGEST` samples, and the
+    first and the last sample must exist.
     """
-    seed = zlib.crc32(column[there].tobytes())  # the same record is filled in the same way
+    seed = zlib.crc32(column[there].tobytes())  # the same record is always filled in the same way
     places, mean = np.arange(len(column)), np.mean(column[there])
     values = np.interp(places, places[there], column[there] - mean)
     for _ in range(_PASSES):
@@ -53,11 +53,12 @@ def filled(column: Array, there: NDArray[np.bool_]) -> Array:
 
 
 def _draw(values: Array, there: NDArray[np.bool_], normal: np.random.Generator) -> None:
-    """Replace the missing samples of `values`, (n,), in place by draws given their neighbours.
+    """Replace the missing samples of `values`, (n,), in place by random values.
 
-    The covariance comes from all of `values`, which must have zero mean and a first guess where
-    samples are missing. Gaps are filled from left to right; a filled gap counts as known for the
-    next. there: (n,) booleans, False for missing samples. normal: source of random numbers.
+    The covariance is computed from all of `values`, which must have the mean 0 and an initial value
+    for each missing sample. Gaps are filled from left to right, and a filled gap counts as known
+    for the next one. `there` (n,) is False for missing samples. `normal` generates the random
+    numbers.
     """
     windows = sliding_window_view(values, 2 * _NEIGHBOURS + LONGEST)
     covariance = windows.T @ windows / len(windows)
@@ -79,9 +80,9 @@ def _draw(values: Array, there: NDArray[np.bool_], normal: np.random.Generator) 
 def _rule(covariance: Array, neighbours: NDArray[np.int64], gap: NDArray[np.int64]) -> _Rule:
     """Return the distribution of the samples in a gap conditional on its neighbours.
 
-    covariance: of the samples in a window, by their offset in it. neighbours, gap: offsets of the
-    known samples and of the missing ones. Eigenvalues that are rounding are left out of the
-    inverse, because neighbours of a smooth record are nearly dependent.
+    `covariance` is the covariance of the samples in a window. `neighbours` and `gap` are the
+    offsets of the known and of the missing samples in the window. Eigenvalues at the rounding level
+    are excluded from the inverse, because neighbours in a smooth record are nearly dependent.
     """
     across = covariance[np.ix_(gap, neighbours)]
     sizes, directions = np.linalg.eigh(covariance[np.ix_(neighbours, neighbours)])

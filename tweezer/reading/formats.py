@@ -1,4 +1,4 @@
-"""Choice of the reader of a table by the format of its file."""
+"""Selection of the reader for a table by the format of its file."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tweezer.reading.text import open_text
 from tweezer.values.errors import ResultError
 from tweezer.values.saved import HDF5, MATLAB, NUMPY, RECORDINGS, TDMS, TEXTS
 
-#: What files are called by their ends, in errors
+#: Names of file formats in error messages, by suffix
 _CALLED = {
     **dict.fromkeys(HDF5, "an HDF5 or NetCDF 4"), **dict.fromkeys(NUMPY, "a NumPy"),
     MATLAB: "a MATLAB", TDMS: "a TDMS",
@@ -25,10 +25,10 @@ _CALLED = {
 
 
 def read_table(path: Path, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
-    """Return the columns of a file that are wanted, by the bead (`read`).
+    """Return the required columns of a file by the label of the bead.
 
     Raises `ResultError` for a file of another format, a damaged one, or one with too many samples,
-    and where `read` does.
+    and for columns that cannot be read.
     """
     kind = path.suffix.lower()
     if kind not in RECORDINGS:
@@ -44,12 +44,12 @@ def read_table(path: Path, reading: Reading, wanted: Wanted) -> dict[str, Column
         return read(_opened(path, kind), reading, wanted)
     except ResultError:
         raise
-    except Exception as error:  # libraries raise errors of any kind for a damaged file
+    except Exception as error:  # libraries raise errors of any type for a damaged file
         raise damaged(path, error) from None
 
 
 def _refuse_unnamed(text: Table, reading: Reading) -> None:
-    """Refuse a text without headings that has more columns than are named in their order."""
+    """Refuse a text without headings that has more columns than --columns names in file order."""
     count, named = len(text.columns), reading.in_order
     if named and not text.headed and count > named:
         raise ResultError(
@@ -59,7 +59,7 @@ def _refuse_unnamed(text: Table, reading: Reading) -> None:
 
 
 def _opened(path: Path, kind: str) -> Table:
-    """Return the table in a file with the ending `kind`, such as ".npy"."""
+    """Return the table in a file with the suffix `kind`, such as ".npy"."""
     if kind in NUMPY:
         return open_numpy(path)
     if kind == TDMS:

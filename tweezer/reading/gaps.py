@@ -1,4 +1,4 @@
-"""Samples that a recording lacks."""
+"""Gaps in recordings: filled, or avoided by using the longest stretch without a gap."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from tweezer.reading.filling import LONGEST, filled
 from tweezer.reading.table import Array
 from tweezer.values.errors import ResultError, TooFewError
 
-#: Largest fraction of samples that are filled in
+#: Largest fraction of samples that may be filled
 _FILLED = 0.05
-#: Relative deviation of a time step from the median step, beyond which it is a different step
+#: Relative deviation of a time step from the median step above which it counts as different
 _UNEVEN = 0.1
-#: Fraction of different steps, beyond which times are uneven rather than interrupted by gaps
+#: Fraction of different steps above which times are uneven rather than interrupted by gaps
 _OFTEN = 0.2
-#: Deviation of a longer step from a whole number of steps, beyond which samples are not filled in
+#: Deviation of a longer step from a whole number of steps above which samples are not filled
 _OFF = 0.2
 
 
@@ -23,10 +23,10 @@ def without_gaps(
 ) -> tuple[Array, Array, str]:
     """Return the times (n,) and columns (n, k) of a recording without gaps, and a note.
 
-    A row is missing if its time or one of its columns is NaN, or if the time leaps over it. Missing
-    rows at the beginning and the end are left out. Gaps of up to 10 samples are filled in
-    (`filled`) if all gaps together are at most 5 % of the record. Otherwise the longest stretch
-    without a gap is returned. Uneven times are returned as they are; the caller refuses them.
+    A row is missing if its time or one of its columns is NaN, or if the times skip it. Missing rows
+    at the beginning and the end are omitted. Gaps of up to 10 samples are filled (`filled`) if all
+    gaps together are at most 5 % of the record. Otherwise the longest stretch without a gap is
+    returned. Uneven times are returned unchanged, for the caller to refuse.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def without_gaps(
     least : int
         Smallest number of samples that the result may have.
     straight : int
-        Number of the last columns, those of a stage, that are filled in by straight lines.
+        Number of columns at the end, for the stage, that are interpolated linearly.
 
     Raises
     ------
@@ -63,12 +63,12 @@ def without_gaps(
     off = np.abs(steps - usual)
     uneven = (off > _UNEVEN * usual).sum() > _OFTEN * len(off)
     if not (steps > 0).all() or not np.isfinite(times).all() or uneven:
-        return times[there], columns[there], "; ".join(notes)  # refused by who takes them
+        return times[there], columns[there], "; ".join(notes)  # the caller refuses uneven times
     leaps = np.maximum(np.rint(steps / usual), 1.0)  # sampling intervals from each row to the next
     if there.all() and (leaps == 1).all():
         return times, columns, "; ".join(notes)
     whole = bool((np.abs(steps / usual - leaps)[leaps > 1] <= _OFF).all())
-    numbers = np.concatenate([[0.0], np.cumsum(leaps)])  # of each row on the even grid of times
+    numbers = np.concatenate([[0.0], np.cumsum(leaps)])  # position of each row in the even grid
     every = int(numbers[-1]) + 1
     lost = every - int(there.sum())
     said = f"samples missing: {lost:,} of {every:,}"
@@ -98,8 +98,8 @@ def without_gaps(
 def _longest(there: np.ndarray, leaps: Array) -> tuple[int, int]:
     """Return the range [first, end) of the longest stretch of rows without a gap.
 
-    there: (n,) booleans, False for missing rows. leaps: (n - 1,) sampling intervals from each row
-    to the next; 1 where no row is missing between them.
+    `there` (n,) is False for missing rows. `leaps` (n - 1,) are the sampling intervals from each
+    row to the next, 1 if no row is missing between them.
     """
     joined = there[1:] & there[:-1] & (leaps == 1)
     ends = np.flatnonzero(np.concatenate([~joined, [True]])) + 1

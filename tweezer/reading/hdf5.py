@@ -1,4 +1,4 @@
-"""Tables from datasets of HDF5 files: of users' programs, MATLAB 7.3 and NetCDF 4."""
+"""Tables from datasets of HDF5 files, including MATLAB 7.3 and NetCDF 4."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from tweezer.reading.table import (
 )
 from tweezer.values.hdf5 import item_of
 
-#: How deep groups within groups are read
+#: Depth to which nested groups are read
 _DEPTH = 4
-#: Largest number of datasets of a group that are looked at
+#: Largest number of datasets of a group that are considered
 _MOST_ITEMS = 1000
-#: Attributes that have the unit of a dataset
+#: Attributes that may contain the unit of a dataset
 _UNIT_ATTRIBUTES = ("units", "unit", "Unit", "Units")
 
 
 def open_hdf5(path: Path) -> Table:
-    """Return the datasets of an HDF5 file as columns, by their paths."""
+    """Return the datasets of an HDF5 file as columns, named by their paths."""
     columns: list[Column] = []
     places: list[tuple[str, int]] = []
     scalars: dict[str, float] = {}
@@ -46,7 +46,7 @@ def open_hdf5(path: Path) -> Table:
             places += [(name, number) for number in range(len(found))]
 
     def numbers(chosen: Sequence[int]) -> list[Array]:
-        """Return the numbers in the columns with these indices, from the file opened again."""
+        """Return the numbers in these columns, after opening the file again."""
         with h5py.File(path) as file:
             return [_column(file[name], number) for name, number in (places[i] for i in chosen)]
 
@@ -54,10 +54,10 @@ def open_hdf5(path: Path) -> Table:
 
 
 def datasets(path: Path, file: h5py.File) -> Iterator[tuple[str, h5py.Dataset]]:
-    """Yield the datasets of a file and of groups in it with their paths, each group once.
+    """Yield the datasets of a file and of its groups with their paths, each group once.
 
-    Raises `ResultError` for a dataset whose data is in another file. A dataset may claim any length
-    without data; see `refuse_too_long`.
+    Raises `ResultError` for a dataset whose data are in another file. A dataset may declare any
+    length without data, so callers check it (`refuse_too_long`).
     """
     waiting: list[tuple[str, h5py.Group, int]] = [("", file, 0)]
     seen: set[int] = set()
@@ -80,7 +80,7 @@ def text_of(value: Any) -> str:
 
 
 def _unit(dataset: h5py.Dataset) -> str | None:
-    """Return the unit in an attribute of a dataset, or None."""
+    """Return the unit from an attribute of a dataset, or None."""
     for name in _UNIT_ATTRIBUTES:
         if name in dataset.attrs and np.ndim(dataset.attrs[name]) == 0:
             return text_of(dataset.attrs[name]).strip() or None
@@ -88,9 +88,7 @@ def _unit(dataset: h5py.Dataset) -> str | None:
 
 
 def _column(dataset: h5py.Dataset, number: int) -> Array:
-    """Return a column of a dataset, decoded by the attributes of NetCDF: fill value, factor and
-    offset.
-    """
+    """Return a column of a dataset, decoded by NetCDF attributes: fill value, factor and offset."""
     column = column_of(dataset[()], number)
     for name in ("_FillValue", "missing_value"):
         if name in dataset.attrs:

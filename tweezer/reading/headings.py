@@ -1,4 +1,4 @@
-"""Quantity and unit of a column, from the words in its heading."""
+"""Quantity and unit of a column, recognised from the words in its heading."""
 
 from __future__ import annotations
 
@@ -11,59 +11,59 @@ from tweezer.values.units import to_si
 AXES = ("x", "y", "z")
 #: SI unit of each quantity that a column may have
 SI = {"t": "s", **dict.fromkeys((*AXES, "drive"), "m")}
-#: Unit of a position on an image, whose length is not known
+#: Unit of a position in an image with unknown scale
 PIXEL = "px"
 #: Characters that may surround a heading
 AROUND = '#%" \r\n\t\ufeff'
 
 _PIXELS = ("px", "pixel", "pixels", "pix", "pxl")
 _VOLTS = {**FREQUENT["V"], "volt": 1.0, "volts": 1.0}
-#: Words of a time
+#: Words that denote a time
 _TIMES = {"t", "time", "times", "timestamp", "timestamps"}
 _SECONDS = {"seconds": "s", "second": "s", "secs": "s", "sec": "s"}
-#: Words beside that of a time
+#: Words that may accompany them
 _OF_TIME = {"elapsed", "relative", "stamp", "sample", "position", "pos"}
-#: Words of the number of a frame, and words beside them
+#: Words that denote a frame number, and words that may accompany them
 _FRAMES = {"frame", "frames", "framenumber", "image", "slice", "sample", "samples", "index"}
 _OF_FRAMES = {"number", "no", "nr", "num", "index", "idx", "id", "count"}
-#: Words of a position, which go with the name of an axis
+#: Words that denote a position, and accompany the name of an axis
 _POSITION = {"position", "pos"}
 _OF_AXES = {
     *_POSITION, "positions", "coordinate", "coordinates", "coord", "coords", "displacement",
     "deflection", "location", "centre", "center", "centroid", "com", "bead", "particle", "tracked",
     "axis", "signal", "detector", "qpd", "psd", "voltage", "volt", "volts",
 }  # fmt: skip
-#: Words that say volts where no unit stands
+#: Words that imply volts if there is no unit
 _ELECTRIC = {"voltage", "volt", "volts"}
-#: Words and units of a frequency, and of a power or amplitude over it
+#: Words and units of a frequency, and words of a spectral density or amplitude
 _FREQUENCIES = {"f", "freq", "frequency", "frequencies", "nu"}
 _HERTZ = {"hz", "khz", "mhz", "1/s", "s^-1"}
 _POWERS = {"psd", "asd", "power", "spectrum", "spectral", "density", "amplitude", "pxx", "sxx"}
 _PER_HERTZ = re.compile(r"/\s*(?:hz|(?:sqrt|rt|√)\s*\(?\s*hz)|hz\s*\^?\s*-|^db", re.I)
-#: First words of a heading that distinguishes beads; words as those of frames may follow
+#: First words of a heading that distinguishes beads; words such as "id" may follow
 _BEADS = {"particle", "track", "trajectory", "bead", "molecule", "object"}
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[^\W_]+")
 _JOINED = re.compile(r"(?:(?P<before>[a-z]{3,12})[xyz]|[xyz](?P<after>[a-z]{3,12}))")
 
 
 class Heading(NamedTuple):
-    """Quantity and unit that the heading of a column names."""
+    """Quantity and unit that the heading of a column denotes."""
 
     quantity: str | None
-    """"t", "x", "y", "z", "frame" (number of a frame), "bead" (label of a bead) or "drive" (stage);
-    None for anything else"""
+    """"t", "x", "y", "z", "frame" (frame number), "bead" (label of a bead) or "drive" (stage
+    motion); None for anything else"""
     unit: str | None = None
-    """unit as it is written, such as "um"; None without one"""
+    """unit as written, such as "um"; None without one"""
     plain: bool = False
-    """whether the heading has no words beside the quantity; such a column is preferred"""
+    """whether the heading has no words other than the quantity; such a column is preferred"""
     assumed: str | None = None
     """unit implied by a word where none is written: "V" for "x voltage\""""
 
 
 def understood(heading: str) -> Heading:
-    """Return the quantity and the unit that a heading names.
+    """Return the quantity and the unit that a heading denotes.
 
-    The quantity may have words such as position or elapsed beside it, in capitals or not. A unit
+    The quantity may be accompanied by words such as "position" or "elapsed", in any case. A unit
     follows in brackets, after a slash, or after a space or an underscore.
     """
     text = heading.strip(AROUND)
@@ -95,7 +95,7 @@ def _split(text: str) -> tuple[str, str | None]:
 
 
 def _quantity(words: list[str]) -> Heading:
-    """Return the quantity that the words of a heading, in small letters, name; without its unit."""
+    """Return the quantity that the words of a heading, in lower case, denote; without a unit."""
     of = set(words)
     if words and words[0] in _BEADS and len(words) <= 2 and of - {words[0]} <= _OF_FRAMES:
         return Heading("bead")
@@ -119,13 +119,13 @@ def _quantity(words: list[str]) -> Heading:
 
 
 def of_a_spectrum(heading: str, beside: str | None) -> str | None:
-    """Return what a column of a table of a spectrum contains.
+    """Return the kind of a column in a table of a power spectrum.
 
     Parameters
     ----------
     heading : str
     beside : str or None
-        A unit that is given beside the heading.
+        Unit given outside the heading.
 
     Returns
     -------
@@ -143,7 +143,7 @@ def of_a_spectrum(heading: str, beside: str | None) -> str | None:
 
 
 def of_the_drive(heading: str, name: str) -> Heading | None:
-    """Return the heading as that of the stage's motion if it is `name`, perhaps with a unit.
+    """Return the stage's motion as the quantity of a heading equal to `name`, perhaps with a unit.
 
     Returns None for another heading.
     """
@@ -158,10 +158,10 @@ def of_the_drive(heading: str, name: str) -> Heading | None:
 
 
 def is_unit(text: str, quantity: str) -> bool:
-    """Return whether a column of a quantity, such as "x", may be in the unit `text`."""
+    """Return whether `text` is a valid unit of a quantity, such as "x"."""
     try:
         factor_of(text, quantity)
-    except (KeyError, ValueError):  # a number of frames has no unit
+    except (KeyError, ValueError):  # KeyError: a frame number has no unit
         return False
     return True
 
@@ -169,8 +169,8 @@ def is_unit(text: str, quantity: str) -> bool:
 def factor_of(unit: str, quantity: str) -> tuple[float, str]:
     """Return the factor that converts `unit` to s, m, V or pixels, and the name of that unit.
 
-    quantity: that of the column, such as "x". Raises `ValueError`, with the allowed units, for a
-    unit that does not belong to it.
+    `quantity` is the quantity of the column, such as "x". Raises `ValueError` with the allowed
+    units if `unit` does not fit it.
     """
     if quantity in AXES and unit.lower() in _PIXELS:
         return 1.0, PIXEL

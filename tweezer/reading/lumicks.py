@@ -1,4 +1,4 @@
-"""Tables from channels of HDF5 files of Lumicks's Bluelake."""
+"""Tables from channels of HDF5 files written by Lumicks's Bluelake."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from tweezer.reading.hdf5 import datasets, text_of
 from tweezer.reading.table import Array, Column, Table, refuse_too_long
 from tweezer.values.errors import ResultError
 
-#: Attribute of the file by which it is known
+#: Attribute by which a Bluelake file is recognised
 _VERSION = "Bluelake version"
-#: Attribute of a calibration that has the force of a volt, in all of them
+#: Entry of a force calibration with the force per volt, which every such calibration has
 _RESPONSE = "Response (pN/V)"
-#: Group of the calibrations of the forces
+#: Group with the force calibrations
 _CALIBRATIONS = "Calibration"
 
 
 def is_lumicks(path: Path) -> bool:
-    """Return whether an HDF5 file is one of Bluelake."""
+    """Return whether an HDF5 file was written by Bluelake."""
     with h5py.File(path) as file:
         return _VERSION in file.attrs
 
@@ -58,7 +58,7 @@ def open_lumicks(path: Path) -> Table:
         channels.append((piece, response or 1.0))
 
     def numbers(chosen: Sequence[int]) -> list[Array]:
-        """Return the numbers in the columns with these indices; forces in volts."""
+        """Return the numbers in these columns, with forces converted to volts."""
         return [
             np.asarray(piece.data, np.float64) / factor
             for piece, factor in (channels[i] for i in chosen)
@@ -68,6 +68,6 @@ def open_lumicks(path: Path) -> Table:
 
 
 def _response(piece: Any) -> float | None:
-    """Return the factor by which a force was calibrated, pN/V; None for a channel in volts."""
+    """Return the calibration factor of a force, pN/V; None for a channel in volts."""
     found = [abs(item[_RESPONSE]) for item in piece.calibration if _RESPONSE in item]
     return float(found[0]) if found and found[0] else None

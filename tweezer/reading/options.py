@@ -1,4 +1,4 @@
-"""Options for reading a file whose headings do not suffice: columns, rate and scale."""
+"""The user's options for reading a file whose headings do not suffice: columns, rate and scale."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from tweezer.reading.headings import AXES, PIXEL, factor_of, understood
 from tweezer.values.errors import ResultError
 from tweezer.values.units import QuantityLike, as_given, bare, to_si
 
-#: Quantities that a column may be named as
+#: Quantities that the user may assign to a column
 _QUANTITIES = ("t", "frame", "bead", *AXES)
-#: Hz, from and to: of a rate
+#: Allowed range of a sampling rate, Hz
 _RATES = (1e-6, 1e12)
-#: m, from and to: of a pixel or a volt
+#: Allowed range of the length of a pixel or a volt, m
 _SCALES = (1e-13, 1.0)
-#: Names of a column that is not read
+#: Entries for a column that is not read
 _OMITTED = ("", "-", "_")
 _NUMBER = re.compile(r"(?P<number>[-+.0-9]+(?:[eE][-+]?[0-9]+)?)\s*(?P<unit>.*)")
 _PER_SECOND = re.compile(r"(?P<number>.*?[0-9.])\s*(?:fps|/\s*s|1/s|frames\s*/\s*s)")
@@ -33,35 +33,35 @@ class Chosen(NamedTuple):
     heading: str = ""
     """heading of the column; "" if it is chosen by its number"""
     unit: str | None = None
-    """unit that the user gave with it, as it is written"""
+    """unit given by the user, as written"""
 
 
 class Scale(NamedTuple):
-    """Length that a pixel or a volt stands for."""
+    """Length that corresponds to a pixel or a volt."""
 
     metres: float
     """length, m"""
     of: str
-    """unit that has this length: "px" or "V\""""
+    """unit with this length: "px" or "V\""""
 
 
 @dataclass(frozen=True)
 class Reading:
-    """Options of the user for reading a file."""
+    """The user's options for reading a file."""
 
     columns: tuple[Chosen, ...] = ()
-    """columns to be read; if empty, they are found by their headings"""
+    """columns to read; if empty, they are found by their headings"""
     in_order: int = 0
-    """number of columns in --columns if it names all of them in file order; 0 if it names each
-    by heading or number"""
+    """number of columns in --columns if it lists them in file order; 0 if it names each by heading
+    or number"""
     rate: float | None = None
-    """rate of the rows, or of the frames that a column counts, Hz"""
+    """rate of the rows, or of the frames counted by a column, Hz"""
     scale: Scale | None = None
     """length of a pixel or volt, for positions in these units"""
     drive: str | None = None
     """heading, without its unit, of the column with the motion of the stage"""
     bead: str | None = None
-    """of a table of several beads, the one to be read"""
+    """label of the bead to read from a table of several"""
 
     @classmethod
     def of(
@@ -72,9 +72,9 @@ class Reading:
         drive: str | None = None,
         bead: str | int | None = None,
     ) -> Self:
-        """Return the options from arguments in the forms that `load_recording` takes.
+        """Return the options from arguments in the forms that `load_recording` accepts.
 
-        Raises `ResultError`, naming the option, for a value that cannot be understood.
+        Raises `ResultError`, naming the option, for an invalid value.
         """
         chosen, in_order = ((), 0) if columns is None else _columns(columns)
         return cls(
@@ -97,9 +97,9 @@ class Reading:
 def _columns(
     given: str | Sequence[str] | Mapping[str, str | int],
 ) -> tuple[tuple[Chosen, ...], int]:
-    """Return the columns chosen by --columns, and the number named in file order.
+    """Return the columns chosen by --columns, and how many it lists in file order.
 
-    That number is 0 if each column is chosen by its heading or number.
+    The number is 0 if each column is chosen by its heading or number.
     """
     if isinstance(given, Mapping):
         entries = [f"{name}={place}" for name, place in given.items()]
@@ -132,7 +132,7 @@ def _columns(
 
 
 def _in_order(index: int, entry: str) -> Chosen:
-    """Return the column number `index`, from 0, that an entry such as "x [um]" names."""
+    """Return column number `index`, from 0, for an entry in file order such as "x [um]"."""
     found = understood(entry)
     return Chosen(_known(found.quantity, entry), index, unit=found.unit)
 
@@ -149,7 +149,7 @@ def _chosen(name: str, place: str) -> Chosen:
 
 
 def _known(quantity: str | None, text: str) -> str:
-    """Return the quantity, or raise `ResultError` if a table has none such. text: as given."""
+    """Return a quantity that a table may have; otherwise raise `ResultError` quoting `text`."""
     if quantity not in _QUANTITIES:
         raise ResultError(
             f"columns: {text!r} is not known; must be t, frame, bead, x, y or z, perhaps with a "
@@ -169,7 +169,7 @@ def _rate(given: QuantityLike) -> float:
 
 
 def _scale(given: QuantityLike) -> Scale:
-    """Return the length of a pixel or volt that a text or number gives.
+    """Return the length of a pixel or volt from a text or number.
 
     Examples are 8.58e-8, "85.8 nm", "85.8 nm/px", "11.66 px/um", "0.5 um/V" and "2 V/um".
     """
@@ -183,7 +183,7 @@ def _scale(given: QuantityLike) -> Scale:
         if kind == "m":
             signal, of = factor_of(below or PIXEL, "x")
             metres = number * factor / signal
-        else:  # pixels or volts in a length
+        else:  # a number of pixels or volts per length
             of, metres = kind, to_si(f"1 {below}", "m") / (number * factor)
         if of == "m" or not _SCALES[0] <= metres <= _SCALES[1]:
             raise ValueError(f"{metres:g} m")

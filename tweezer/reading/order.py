@@ -1,4 +1,4 @@
-"""The order of the rows of a table, by their times or the numbers of their frames."""
+"""Sorting of the rows of a table by their times or frame numbers."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from tweezer.values.errors import ResultError
 
 #: Largest deviation of a sorted step from a whole number of usual steps
 _OFF = 0.2
-#: Largest fraction of steps back in time by a clock; a larger fraction means rows in another order
+#: Largest fraction of backward steps due to a clock; with more, rows are out of order
 _FEW = 0.05
-#: Largest fraction of repeated time stamps; a larger fraction means rows of several beads
+#: Largest fraction of repeated time stamps; with more, rows belong to several beads
 _OFTEN = 0.3
-#: Largest deviation of a step that counts for a rate, in median deviations
+#: Largest deviation of a step that is used to determine a rate, in median deviations
 _FAR = 10.0
 
 
@@ -30,7 +30,7 @@ def in_order(
     """Return the rows in the order of their stamps, and a note on what was done.
 
     Rows are sorted only if each stamp occurs once and the sorted stamps are even, apart from gaps.
-    A row that repeats another one to the last digit is omitted. Rows without a stamp come last.
+    A row that repeats another one exactly is omitted. Rows without a stamp come last.
 
     Parameters
     ----------
@@ -41,19 +41,19 @@ def in_order(
     columns : mapping of str to ndarray, shape (n,)
         The other columns that are read.
     without : str
-        The option that reads the same columns without the stamps, as `x=Bead 1`.
+        Option that reads the same columns without the stamps, such as `x=Bead 1`.
     rate : float or None
         Sampling rate, Hz, if the user gives it.
 
     Raises
     ------
     ResultError
-        If a stamp goes back or occurs again, and sorting does not mend it.
+        If a stamp decreases or repeats, and sorting does not help.
     """
     rows = np.arange(len(stamps))
     dated = np.flatnonzero(~np.isnan(stamps))
     steps = np.diff(stamps[dated])
-    if (steps > 0).all() or np.isinf(stamps).any():  # refused by who takes them
+    if (steps > 0).all() or np.isinf(stamps).any():  # the caller refuses infinite stamps
         return rows, ""
     order = dated[np.argsort(stamps[dated], kind="stable")]
     again = np.zeros(len(order), bool)
@@ -100,9 +100,9 @@ def in_order(
 
 
 def refuse_another_order(name: str, column: str, stamps: Array, way: str) -> None:
-    """Refuse rows that are read at a rate although a column says that their order is another.
+    """Refuse rows that are read at a given rate although a column shows that they are out of order.
 
-    Raises `ResultError` if more than 5 % of the stamps in `column` are before the one above.
+    Raises `ResultError` if more than 5 % of the stamps in `column` are before the previous stamp.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def refuse_another_order(name: str, column: str, stamps: Array, way: str) -> Non
     stamps : ndarray, shape (n,)
         Times, or numbers of frames.
     way : str
-        The option that reads the stamps too.
+        Option that reads the stamps too.
     """
     steps = np.diff(stamps[~np.isnan(stamps)])
     if len(steps) and np.mean(steps < 0) > _FEW:

@@ -1,4 +1,4 @@
-"""Recordings and tracks of a bead's position, from runs of tweezer and from files of tables."""
+"""Recordings and tracks of a bead's position, from runs of tweezer and from tables."""
 
 from __future__ import annotations
 
@@ -42,11 +42,11 @@ if TYPE_CHECKING:
 LEAST_SAMPLES = 100
 #: Smallest number of frames in a track
 LEAST_FRAMES = 10
-#: Largest deviation of a time from an even grid, in steps, as tables round their times
+#: Largest deviation of a time from an even grid, in steps, which allows for rounded times
 _UNEVEN = 0.1
-#: Extent that a recording may have, m
+#: Allowed range of the extent of a recording, m
 _EXTENTS = (1e-15, 1e-3)
-#: Extent that a recording in volts may have
+#: Allowed range of the extent of a recording in volts
 _VOLTS = (1e-12, 1e4)
 
 _AXES = ("x", "y", "z")
@@ -85,7 +85,7 @@ class Recording(Shown):
     """whether times or frames were read with the positions, so that their order is known"""
 
     def __post_init__(self) -> None:
-        """Convert the arrays, and raise `ResultError` for samples that are no recording."""
+        """Convert the arrays, and raise `ResultError` if the samples are not a valid recording."""
         _of_shapes(self, len(self.axes))
         if len(self.times) < LEAST_SAMPLES:
             why = f"; {self.note}" if self.note else ""
@@ -132,12 +132,12 @@ class Recording(Shown):
                 )
 
     def _refuse(self, why: str, sample: int | None = None) -> NoReturn:
-        """Raise `ResultError` for a reason, with the number of the sample (from 0), if any."""
+        """Raise `ResultError` with a reason, and the number of the sample (from 0) if given."""
         place = "" if sample is None else f"sample {sample + 1}: "
         raise ResultError(f"{self.name}: {place}{why}")
 
     def card(self) -> Card:
-        """Return the card with samples, spread along each axis, exposure and noise."""
+        """Return the card with number of samples, spread along each axis, exposure and noise."""
         unit = signal_unit(self.unit)
         spread = self.positions.std(axis=0)
         rate = 1 / self.step
@@ -196,7 +196,7 @@ class Track(Shown):
     unit: ClassVar[str] = "m"
 
     def __post_init__(self) -> None:
-        """Convert the arrays, and raise `ResultError` for frames that are no track."""
+        """Convert the arrays, and raise `ResultError` if the frames are not a valid track."""
         _of_shapes(self, 2)
         steps = np.diff(self.times)
         for wrong, why, first in (
@@ -223,7 +223,7 @@ class Track(Shown):
             )
 
     def card(self) -> Card:
-        """Return the card with the number of frames, complete ones among them, times and extent."""
+        """Return the card with number of frames, of complete frames, times and extent."""
         both = int(np.isfinite(self.positions).all(axis=1).sum())
         x, y = (printed(each, "um") for each in np.nanmax(np.abs(self.positions), axis=0))
         first, last = in_unit(self.times[0], "ms"), printed(self.times[-1], "ms")
@@ -244,7 +244,7 @@ def _known(exposure: float | None) -> str:
 def _of_shapes(record: Recording | Track, axes: int) -> None:
     """Convert times and positions to arrays; refuse other shapes than (n,) and (n, axes).
 
-    The positions along a single axis may be of the shape (n,).
+    Positions along a single axis may also have the shape (n,).
     """
     for name, unit in (("times", "s"), ("positions", record.unit)):
         array = numbers_in_si(f"{record.name}: {name}", getattr(record, name), unit)
@@ -381,7 +381,7 @@ def load_track(
 
 
 class Run(NamedTuple):
-    """Positions in a run of tweezer: the arguments of a `Recording`."""
+    """Positions in a run of tweezer, with the fields of a `Recording`."""
 
     name: str
     times: Array
@@ -398,7 +398,7 @@ class Run(NamedTuple):
 def read_source(
     source: str | Path | xr.Dataset, reading: Reading, wanted: Wanted
 ) -> Run | dict[str, Columns]:
-    """Return a run of tweezer, or the columns of a table by the label of the bead."""
+    """Load a run of tweezer, or the columns of a table by the label of the bead."""
     if not isinstance(source, str | os.PathLike):
         return _of_run(source, source.attrs.get("title", "run"), reading)
     path = Path(source)
@@ -418,7 +418,7 @@ def read_source(
                     return _of_run(dataset, str(path), reading)
         except ResultError:
             raise
-        except Exception as error:  # h5py and h5netcdf raise errors of any kind for a damaged file
+        except Exception as error:  # h5py and h5netcdf raise errors of any type for damaged files
             raise damaged(path, error) from None
     return read_table(path, reading, wanted)
 
@@ -426,7 +426,7 @@ def read_source(
 def _is_run(path: Path) -> bool:
     """Return whether an HDF5 file contains a run of tweezer.
 
-    Raises `ResultError` if its data is in other files, or is too long.
+    Raises `ResultError` if its data are in other files, or are too long.
     """
     import h5py
 
@@ -439,9 +439,9 @@ def _is_run(path: Path) -> bool:
 
 
 def _of_run(run: xr.Dataset, name: str, reading: Reading) -> Run:
-    """Return the positions in a run of tweezer, up to the loss of the bead; of a camera its frames.
+    """Return the positions in a run until the bead was lost, or the frames of its camera.
 
-    name: for messages. reading: options, which a run does not take.
+    `name` is used in messages. The options in `reading` are refused for a run.
     """
     if reading.given:
         raise ResultError(f"{name}: is a run of tweezer; --{reading.given[0]} is for other files")

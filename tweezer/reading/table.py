@@ -1,4 +1,4 @@
-"""A table in a file, before its numbers are read."""
+"""Tables in files, before their numbers are read."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tweezer.values.errors import ResultError
 MOST_SAMPLES = 50_000_000
 #: Largest number of columns that an array of rows may have
 _MOST_COLUMNS = 1000
-#: Names of numbers that say how fast was recorded
+#: Names of numbers that state a sampling rate
 _RATES = {
     "fs", "fps", "rate", "framerate", "samplerate", "samplingrate", "samplefrequency",
     "samplingfrequency", "sampfreq",
@@ -28,21 +28,21 @@ class Column:
     """A column of a table, before its numbers are read."""
 
     name: str
-    """its name with the groups of the file that contain it, unique in the file"""
+    """heading with the groups of the file that contain it, unique in the file"""
     heading: str
-    """last part of the name, which may say the quantity and its unit: "x [um]\""""
+    """last part of the name, which may contain quantity and unit, such as "x [um]\""""
     unit: str | None = None
-    """unit given beside the heading, as in an attribute or a line of units"""
+    """unit given outside the heading, in an attribute or a line of units"""
     step: float | None = None
-    """sampling interval that the file states, s; None if it states none"""
+    """sampling interval stated in the file, s; None without one"""
     note: str = ""
-    """what was done to its numbers; "" for nothing"""
+    """changes to its numbers; "" for none"""
     samples: int = 0
-    """number of its samples; 0 if it is known only after reading"""
+    """number of samples; 0 if it is known only after reading"""
 
     @property
     def group(self) -> str:
-        """The group of the file that contains the column: its name without the heading."""
+        """Groups of the file that contain the column: its name without the heading."""
         return self.name.removesuffix(self.heading)
 
 
@@ -54,23 +54,23 @@ class Table:
     """of the file"""
     columns: Sequence[Column]
     numbers: Callable[[Sequence[int]], list[Array]]
-    """function that reads the columns with these numbers, from 0; each is an array (n,)"""
+    """function that reads the columns with the given numbers, from 0, as arrays (n,)"""
     headed: bool = True
     """whether its columns have headings"""
     rate_beside: str = ""
-    """a number of the file that may be its rate: "fs = 10000\""""
+    """number in the file that may be the sampling rate, such as "fs = 10000\""""
     labels: Callable[[int], list[str]] | None = None
-    """function that reads the cells of a column, by its number, as text; None if all columns
+    """function that reads the cells of the column with a given number as text; None if all columns
     contain numbers"""
 
 
 def columns_of(
     name: str, heading: str, shape: Sequence[int], unit: str | None = None
 ) -> list[Column]:
-    """Return the columns of an array of one dimension or of two; none if it is no table.
+    """Return the columns of an array with one or two dimensions; none if it is not a table.
 
-    The longer axis of two counts samples, the shorter one columns. name, heading, unit: of the
-    array; columns of several are numbered, as "name:1". shape: of the array.
+    The longer axis counts samples, the shorter one columns. `name`, `heading`, `unit` and `shape`
+    describe the array. Several columns are numbered, as in "name:1".
     """
     samples = max(shape, default=0)
     if len(shape) == 1 or (len(shape) == 2 and min(shape) == 1 < samples):
@@ -84,7 +84,7 @@ def columns_of(
 
 
 def refuse_too_long(file: str, name: str, samples: int) -> None:
-    """Raise `ResultError` for more samples than are read."""
+    """Raise `ResultError` for more samples than can be read."""
     if samples > MOST_SAMPLES:
         raise ResultError(
             f"{file}: {name}: has {samples:,} samples; must have at most {MOST_SAMPLES:,}"
@@ -92,7 +92,7 @@ def refuse_too_long(file: str, name: str, samples: int) -> None:
 
 
 def column_of(array: NDArray[Any], column: int) -> Array:
-    """Return the column with this number, (n,), of an array with samples along its longer axis."""
+    """Return column number `column`, (n,), of an array with samples along its longer axis."""
     if min(array.shape) == 1:
         array = array.ravel()
     if array.ndim == 2 and array.shape[0] < array.shape[1]:
@@ -101,7 +101,7 @@ def column_of(array: NDArray[Any], column: int) -> Array:
 
 
 def rate_among(scalars: dict[str, float]) -> str:
-    """Return the first number whose name means a sampling rate, as "fs = 10000"; "" for none."""
+    """Return the first number whose name denotes a sampling rate, as "fs = 10000"; "" for none."""
     for name, value in scalars.items():
         if "".join(each for each in last_part(name).lower() if each.isalpha()) in _RATES:
             return f"{name} = {value:g}"
@@ -109,5 +109,5 @@ def rate_among(scalars: dict[str, float]) -> str:
 
 
 def last_part(name: str) -> str:
-    """Return a name without the groups that precede it: "x" for "group/bead.x"."""
+    """Return a name without the preceding groups: "x" for "group/bead.x"."""
     return name.rpartition("/")[2].rpartition(".")[2]

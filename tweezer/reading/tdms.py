@@ -14,7 +14,7 @@ from tweezer.values.errors import ResultError
 
 #: First bytes of a TDMS file
 _BEGINNING = b"TDSm"
-#: Properties of a channel that have its unit
+#: Properties of a channel that may contain its unit
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 
 
@@ -47,7 +47,7 @@ def open_tdms(path: Path) -> Table:
             places.append((group.name, channel.name))
 
     def numbers(chosen: Sequence[int]) -> list[Array]:
-        """Return the numbers in the columns with these indices, from the file opened again."""
+        """Return the numbers in these columns, after opening the file again."""
         with _silent(), TdmsFile.open(path) as file:
             return [
                 np.asarray(file[group][channel][:], dtype=np.float64)
@@ -59,7 +59,7 @@ def open_tdms(path: Path) -> Table:
 
 @contextlib.contextmanager
 def _silent() -> Iterator[None]:
-    """Return a context in which npTDMS logs nothing, such as that a file is cut off."""
+    """Return a context in which npTDMS logs nothing, for example about a truncated file."""
     from nptdms.log import log_manager
 
     before = log_manager.log_level

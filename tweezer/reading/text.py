@@ -23,21 +23,21 @@ from tweezer.values.errors import ResultError
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Number of lines in which headings and the first numbers are looked for
+#: Number of lines in which headings and the first numbers are sought
 _HEAD = 200
 #: Largest number of lines between the headings and the numbers
 _BETWEEN = 4
-#: Cells that have no number
+#: Cells without a number
 _MISSING = ("", "-", "--", "nan", "NaN", "NAN", "NA", "N/A", "n/a", "null", "NULL", "None", "none")
 _NUMBER = re.compile(
     r"[+-]?(?:[0-9]++\.?[0-9]*+|\.[0-9]++)(?:[eE][+-]?[0-9]++)?|[+-]?inf(?:inity)?", re.I
 )
 _WITH_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?")
-#: Part of a date or of the time of day
+#: Pattern of a part of a date or a time of day
 _CLOCK = re.compile(r"[0-9]{1,4}([:/-])[0-9]{1,2}\1[0-9]")
-#: What is not the end of a text
+#: Pattern of a character that is not white space
 _ANY = re.compile(rb"\S")
-#: Beginnings of lines of comments
+#: Characters that begin a comment
 _COMMENTS = ("#", "%", "//")
 _DELIMITERS = (";", "\t", ",", " ")
 
@@ -48,7 +48,7 @@ class _Layout(NamedTuple):
     headings: list[str]
     """headings of the columns; empty without a line of headings"""
     units: list[str]
-    """cells of a line of units below the headings; empty without one"""
+    """cells of the line of units below the headings; empty without one"""
     delimiter: str
     first: int
     """number of the line with the first numbers, from 0"""
@@ -62,18 +62,18 @@ class _Text(NamedTuple):
     name: str
     """of the file"""
     content: bytes
-    """whole text in `encoding`, with newlines of one kind"""
+    """whole text in `encoding`, with uniform line ends"""
     encoding: str
     head: list[str]
-    """its first lines"""
+    """first lines of the text"""
     layout: _Layout
 
 
 def open_text(path: Path, names: Callable[[list[str]], bool]) -> Table:
     """Return the table in a text file, without the lines before its headings.
 
-    names: function of the cells of a line that returns whether they are the headings that are
-    sought. Without such a line, the headings are in the line above the first numbers.
+    `names` is a function that returns whether the cells of a line are the expected headings.
+    Without such a line, the headings are in the line above the first numbers.
     """
     try:
         content = path.read_bytes()
@@ -82,14 +82,14 @@ def open_text(path: Path, names: Callable[[list[str]], bool]) -> Table:
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         content = content.decode("utf-16", errors="replace").encode()
     content = content.removeprefix(codecs.BOM_UTF8)
-    if b"\r" in content:  # line ends of Windows and of old Macs
+    if b"\r" in content:  # line ends of Windows and of classic Mac OS
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     lines = list(islice(BytesIO(content), _HEAD))
     try:
         codecs.getincrementaldecoder("utf-8")().decode(b"".join(lines))
         encoding = "utf-8"
     except UnicodeDecodeError:
-        encoding = "cp1252"  # what Windows writes in western Europe
+        encoding = "cp1252"  # default of Windows in western Europe
     head = [line.decode(encoding, errors="replace").rstrip("\n") for line in lines]
     layout = _layout(head, names)
     headings = layout.headings or [""] * layout.columns
@@ -104,7 +104,7 @@ def open_text(path: Path, names: Callable[[list[str]], bool]) -> Table:
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
-    """Return the cells of a line. Between spaces, a unit in brackets stays with its name."""
+    """Return the cells of a line; between spaces, a unit in brackets stays with its name."""
     line = line.rstrip("\r\n")
     if delimiter == " ":
         return re.split(r"\s+(?![\[(])", line.strip())
@@ -117,14 +117,14 @@ def _cells(line: str, delimiter: str) -> list[str]:
 
 
 def _bare(line: str) -> str:
-    """Return a line without a sign of a comment at its beginning."""
+    """Return a line without a comment character at its beginning."""
     return re.sub(r"^\s*(?:#+|%+|//)\s*", "", line)
 
 
 def _layout(head: list[str], names: Callable[[list[str]], bool]) -> _Layout:
     """Return the layout of a text from its first lines, `head`.
 
-    names: whether cells are the headings that are sought; see `open_text`.
+    `names` is a function that returns whether the cells of a line are the expected headings.
     """
     for number, line in enumerate(head):
         delimiter = next((each for each in ";\t," if each in line), " ")
@@ -146,10 +146,10 @@ def _layout(head: list[str], names: Callable[[list[str]], bool]) -> _Layout:
 
 
 def _below(head: list[str], number: int, headings: list[str], delimiter: str) -> _Layout:
-    """Return the layout below a line of headings: perhaps a line of units, and others without
-    numbers.
+    """Return the layout of a text with a known line of headings.
 
-    head: first lines of the text. number: of the line of headings, from 0.
+    A line of units and other lines without numbers may follow it. `head` contains the first lines
+    of the text, and `number` is the number of the line of headings, from 0.
     """
     units: list[str] = []
     first = number + 1
@@ -166,7 +166,7 @@ def _below(head: list[str], number: int, headings: list[str], delimiter: str) ->
         elif filled and not any(understood(cell).quantity for cell in filled):
             break
         first += 1
-    if delimiter == " " and first < len(head):  # headings may have spaces in them
+    if delimiter == " " and first < len(head):  # headings may contain spaces
         count = len(_cells(head[first], delimiter))
         headings = headings if count == len(headings) else []
         return _Layout(headings, units if headings else [], delimiter, first, count)
@@ -174,7 +174,7 @@ def _below(head: list[str], number: int, headings: list[str], delimiter: str) ->
 
 
 def _are_units(headings: list[str], cells: list[str]) -> bool:
-    """Return whether each cell below a heading that names a quantity is a unit of it, or empty."""
+    """Return whether each cell below the heading of a quantity is a unit of it, or empty."""
     told = False
     for heading, cell in zip(headings, cells, strict=True):
         quantity, unit = understood(heading).quantity, cell.strip(AROUND + "()[]")
@@ -192,7 +192,7 @@ def _is_number(cell: str) -> bool:
 
 
 def _of_numbers(line: str) -> tuple[str, int] | None:
-    """Return delimiter and number of cells of a line that has only numbers or missing ones.
+    """Return delimiter and number of cells for a line that contains only numbers or missing cells.
 
     Returns None for another line.
     """
@@ -210,10 +210,10 @@ def _of_numbers(line: str) -> tuple[str, int] | None:
 
 
 def _numbers(text: _Text, places: Sequence[int]) -> list[Array]:
-    """Return the numbers in these columns, an array (n,) each.
+    """Return the numbers in these columns, as arrays (n,).
 
-    Decimal commas are recognised from the first lines. Raises `ResultError` naming the first line
-    that cannot be read.
+    Decimal commas are recognised from the first lines. Raises `ResultError` with the number of the
+    first line that cannot be read.
     """
     content, layout = text.content, text.layout
     first = [_cells(line, layout.delimiter) for line in text.head[layout.first :]]
@@ -230,7 +230,7 @@ def _numbers(text: _Text, places: Sequence[int]) -> list[Array]:
         return [np.empty(0)] * len(places)
     _refuse_surplus(text)
     try:
-        with warnings.catch_warnings(action="ignore"):  # of cells beyond the last heading
+        with warnings.catch_warnings(action="ignore"):  # about cells beyond the last heading
             table = _columns(
                 text,
                 places,
@@ -245,15 +245,16 @@ def _numbers(text: _Text, places: Sequence[int]) -> list[Array]:
 
 
 def _labels(text: _Text, place: int) -> list[str]:
-    """Return the cells of a column as text; "" for empty ones."""
+    """Return the cells of a column as text, with "" for empty cells."""
     table = _columns(text, [place], dtype=str, na_values=_MISSING)
     return [label.strip() for label in table[place].fillna("")]
 
 
 def _columns(text: _Text, places: Sequence[int], **cells: Any) -> pd.DataFrame:
-    """Return columns of a text by their numbers, as a table of pandas.
+    """Return columns of a text as a table of pandas.
 
-    cells: arguments of `read_csv` that say how cells are read.
+    `places` are the numbers of the columns, and `cells` are arguments of `read_csv` on reading
+    cells.
     """
     import pandas as pd
 
@@ -273,7 +274,7 @@ def _columns(text: _Text, places: Sequence[int], **cells: Any) -> pd.DataFrame:
 
 
 def _start(content: bytes, line: int) -> int:
-    """Return the offset in bytes at which a line, counted from 0, begins."""
+    """Return the offset in bytes of the beginning of a line, counted from 0."""
     at = 0
     for _ in range(line):
         at = content.index(b"\n", at) + 1
@@ -306,9 +307,9 @@ def _refuse_surplus(text: _Text) -> None:
 
 
 def _complaint(text: _Text, places: Sequence[int], *, commas: bool) -> str | None:
-    """Return the first line that cannot be read, with the reason; None if there is none.
+    """Return the first line that cannot be read, with the reason; None if all can be read.
 
-    commas: whether decimals have commas.
+    `commas` is whether decimals are written with commas.
     """
     first = text.layout.first
     for number, read in enumerate(islice(BytesIO(text.content), first, None), start=first + 1):

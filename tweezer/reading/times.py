@@ -1,4 +1,4 @@
-"""Times of the rows of a recording for which the user also gives a sampling rate."""
+"""Times of rows in a recording whose sampling rate the user also gives."""
 
 from __future__ import annotations
 
@@ -7,26 +7,27 @@ import numpy as np
 from tweezer.reading.table import Array
 from tweezer.values.errors import ResultError
 
-#: Largest relative deviation of the given rate from the rate of the column of times
+#: Largest relative deviation of the given rate from the rate in the column of times
 _RATE_OFF = 0.05
-#: Relative deviation above which a note reports it
+#: Relative deviation above which a note reports the difference
 _RATE_SAID = 1e-3
 
 
 def at_even_times(name: str, times: Array, rate: float) -> tuple[Array, str]:
     """Return even times for samples that have time stamps and a given rate, and a note.
 
-    Each time is a whole number of sampling intervals after the first stamp, the nearest to its
+    Each time is the multiple of the sampling interval after the first stamp that is nearest to its
     stamp. The note is "" if the stamps have the same rate. Raises `ResultError` if stamps and rate
     disagree.
 
-    name: of the recording, for messages. times: (n,) stamps, s; NaN where missing. rate: Hz.
+    `name` is the name of the recording, for messages. `times` (n,) are the stamps, s, NaN where
+    missing, and `rate` is in Hz.
     """
     dated = np.isfinite(times)
-    steps = np.diff(times[dated]) * rate  # in sampling intervals, so 1 if stamps and rate agree
+    steps = np.diff(times[dated]) * rate  # in sampling intervals, 1 if stamps and rate agree
     if not len(steps):
         return times, ""
-    single = steps[steps < 1.5]  # those over no missing samples
+    single = steps[steps < 1.5]  # steps without missing samples
     means = float(np.mean(steps)), float(np.mean(single) if len(single) else np.median(steps))
     usual = min(means, key=lambda mean: abs(mean - 1))
     said = _compared(name, rate / usual, rate, 1 / len(steps), "x=...")
@@ -41,12 +42,11 @@ def at_even_times(name: str, times: Array, rate: float) -> tuple[Array, str]:
 
 
 def of_frames(name: str, frames: Array, times: Array, rate: float) -> str:
-    """Compare numbers of frames at a given rate with the times beside them, and return a note.
+    """Compare frame numbers at a given rate with their times, and return a note.
 
-    The note is "" if they agree. Raises `ResultError` if they disagree.
-
-    name: of the recording, for messages. frames: (n,) numbers of frames. times: (n,) s. rate: of
-    the frames, Hz.
+    The note is "" if they agree. Raises `ResultError` if they disagree. `name` is the name of the
+    recording, for messages. `frames` (n,) are the frame numbers, `times` (n,) are in s, and `rate`
+    is the frame rate, Hz.
     """
     both = np.isfinite(frames) & np.isfinite(times)
     steps = np.abs(np.diff(times[both]))
@@ -63,9 +63,8 @@ def _compared(name: str, found: float, rate: float, finest: float, way: str) -> 
     """Compare a given rate, Hz, with the rate `found` from times, and return a note.
 
     The note is "" if the two agree within `finest`, the relative resolution of `found`. Raises
-    `ResultError` if they differ by more than 5 % beyond it.
-
-    way: text for --columns in that message, to read the file without its times.
+    `ResultError` if they differ by more than 5 % beyond it. `way` is the text for --columns in this
+    message that reads the file without its times.
     """
     off = abs(rate / found - 1) if found else np.inf
     if off > _RATE_OFF + finest:
