@@ -86,6 +86,12 @@ def open_page(browser, address, width, height, *, moves=True, dark=False):
     )
 
 
+def press(browser, name):
+    """Press the button of that name in the head of the page."""
+    buttons = browser.find_elements("css selector", "header button")
+    next(each for each in buttons if each.text == name).click()
+
+
 def at(turning_run, moment):
     """Position at a time, on straight lines between samples, um."""
     position = 1e6 * turning_run["position"].values
@@ -227,6 +233,96 @@ def test_a_click_in_a_plot_and_keys_move_it(shown, turning_run):
     )
 
 
+def test_planes_are_seen_in_parallel_projection(shown):
+    """Points one behind the other are one, and lengths on the screen do not depend on depth."""
+    for view, depth, axes in ((2, 1, (0, 2)), (3, 0, (1, 2)), (4, 2, (0, 1))):
+        shown.execute_script("tweezer.look(arguments[0])", view)
+        found = camera(shown)
+        near, far = np.zeros(3), np.zeros(3)
+        near[depth], far[depth] = 0.4, -0.7
+        assert on_screen(found, near) == pytest.approx(on_screen(found, far), abs=0.5)
+        sizes = []
+        for at_depth in (near, far):
+            for axis in axes:
+                aside = at_depth.copy()
+                aside[axis] += 0.3
+                sizes.append(np.linalg.norm(on_screen(found, aside) - on_screen(found, at_depth)))
+        assert np.ptp(sizes) < 1e-3 * sizes[0]
+        bar = shown.find_element("css selector", ".bar").size["width"]
+        length, unit = shown.find_element("css selector", ".length").text.split()
+        micrometres = float(length) * {"nm": 1e-3, "µm": 1.0}[unit]
+        assert bar == pytest.approx(micrometres * sizes[0] / 0.3, rel=0.02)
+    shown.execute_script("tweezer.look(1)")
+    assert camera(shown)["projection"][3, 3] == 0  # perspective again
+
+
+def test_parts_of_the_picture_are_hidden_until_reset(shown):
+    stage = (slice(160, 640), slice(350, 760))  # without the buttons, which show the focus
+    before = picture(shown)[stage]
+    box = next(
+        each
+        for each in shown.find_elements("css selector", ".layers label")
+        if each.text.strip() == "bead"
+    )
+    box.click()
+    shown.execute_script("tweezer.draw()")
+    without = picture(shown)[stage]
+    assert np.abs(without - before).max() > 0.2
+    press(shown, "Reset")
+    shown.execute_script("tweezer.draw()")
+    assert box.find_element("css selector", "input").is_selected()
+    assert np.abs(picture(shown)[stage] - before).max() < 0.02
+
+
+def test_a_link_opens_the_page_as_it_was(shown, address, turning_run):
+    moment = float(turning_run["time"][-1]) / 3
+    shown.execute_script("tweezer.seek(arguments[0]); tweezer.look(3)", moment)
+    ActionChains(shown).send_keys("a").perform()  # turns the view
+    kept, seen = shown.execute_script("return tweezer.link()"), camera(shown)
+    shown.get("about:blank")
+    open_page(shown, kept, 1280, 800)
+    assert shown.execute_script("return tweezer.time()") == pytest.approx(moment, rel=1e-12)
+    again = camera(shown)
+    for name in MATRICES:
+        np.testing.assert_allclose(again[name], seen[name], atol=1e-4)
+
+
+def test_the_samples_are_saved_as_a_table(shown, turning_run, tmp_path):
+    shown.execute_cdp_cmd(
+        "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(tmp_path)}
+    )
+    for name, ending in (("Data", "csv"), ("Picture", "png")):
+        press(shown, name)
+        WebDriverWait(shown, 30).until(lambda _, e=ending: list(tmp_path.glob(f"*.{e}")))
+    (table,) = tmp_path.glob("*.csv")
+    heading = table.read_text().split("\n")[0].split(",")
+    assert heading[:4] == ["time (s)", "position x (m)", "position y (m)", "position z (m)"]
+    rows = np.loadtxt(table, delimiter=",", skiprows=1)
+    np.testing.assert_allclose(rows[:, 0], turning_run["time"], rtol=1e-6)
+    np.testing.assert_allclose(rows[:, 1:4], turning_run["position"], rtol=1e-6, atol=1e-12)
+    force = rows[:, heading.index("force_light x (N)")]
+    np.testing.assert_allclose(force, turning_run["optical_force"][:, 0], rtol=1e-6, atol=1e-18)
+    (saved,) = tmp_path.glob("*.png")
+    assert np.ptp(imread(saved)[:, :, :3]) > 0.5
+
+
+def test_values_under_the_mouse(shown, turning_run):
+    """Position along z in the middle of the first plot, as the samples have it."""
+    box = shown.execute_script("""
+      const area = document.querySelector(".plot .area").getBoundingClientRect();
+      return [area.left, area.top, area.width, area.height];""")
+    left, top, width, height = box
+    x = int(left + 58 + 0.5 * (width - 58 - 12))
+    chain = ActionChains(shown)
+    chain.w3c_actions.pointer_action.move_to_location(x, int(top + height / 2))
+    chain.perform()
+    tip = shown.find_element("css selector", ".tip")
+    first, last = turning_run["time"].values[[0, -1]]
+    moment = first + (x - left - 58) / (width - 58 - 12) * (last - first)
+    value = tip.text.split(" z ")[1].replace(MINUS, "-")
+    assert float(value) == pytest.approx(at(turning_run, moment)[2], abs=2e-3)
+
+
 def test_words_for_who_does_not_see_it(shown, turning_run):
     said = shown.execute_script("""
       return {
@@ -291,7 +387,7 @@ def test_on_a_phone_and_in_the_dark(browser, address):
     ends += "(cell) => cell.getBoundingClientRect().right)"
     assert max(browser.execute_script(ends)) < 400
     assert picture(browser).mean() < 0.4
-    browser.execute_script("document.querySelectorAll('header button')[1].click()")
+    press(browser, "Light")
     WebDriverWait(browser, 30).until(lambda driver: picture(driver).mean() > 0.6)
     assert browser.get_log("browser") == []
 

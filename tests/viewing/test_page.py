@@ -310,3 +310,18 @@ def test_what_no_page_shows_is_refused():
         tweezer.ResultError, match="int: is no result that is known; `tweezer view` takes a sweep, "
     ):
         tweezer.view(3)
+
+
+def test_force_of_the_inertia_of_the_fluid_is_that_of_half_its_mass(turning_run):
+    """With added mass alone it is -m_fluid/2 times the acceleration."""
+    scene = tweezer.scene_of(turning_run).replace(
+        medium={"inertia": "added-mass"}, forces={"brownian": False},
+        simulation={"duration": "2 us", "samples": 401, "method": "auto"},
+    )  # fmt: skip
+    content = tweezer.view(tweezer.simulate(scene)).content
+    fluid, change = (content.arrays[f"force_{name}"].values() for name in ("fluid", "sum"))
+    half = 0.5 * scene.medium.density / scene.bead.density
+    middle = slice(40, 200)
+    largest = np.abs(change[middle]).max()
+    assert fluid[middle] == pytest.approx(-half * change[middle], abs=2e-3 * half * largest)
+    assert any("added mass" in note for note in content.notes)

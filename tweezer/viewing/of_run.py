@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 #: Fraction of the largest force below which the sum of other forces is rounding error
 _NOTHING = 1e-9
+#: Fewest samples from which an acceleration and its error follow
+_FEWEST = 6
 #: Variables of a run that its page shows unchanged, with their units
 _AS_THEY_ARE = {
     "time": "s", "position": "m", "orientation": "1", "speed": "m/s", "terminal_speed": "m/s",
@@ -121,6 +123,18 @@ def _forces(run: Run, problem: Problem) -> tuple[dict[str, Array], list[str]]:
     mobility = problem.mobilities(run["position"], run["time"])[:, :3]
     drag = -run["velocity"] / mobility
     forces |= {"drag": drag, "sum": net + drag}
+    if run.attributes["fluid_inertia"] != "none" and len(run["time"]) >= _FEWEST:
+        change = bead_properties(scene).mass * _slope(run["velocity"], run["time"])
+        forces |= {"fluid": change - net - drag, "sum": change}
+        error = _error_of_slope(change, run["velocity"], run["time"], bead_properties(scene).mass)
+        return forces, [
+            "Drag is the steady drag, minus velocity over mobility. The inertia of the fluid is "
+            "the rest of the force of the water: added mass and, with memory, the Basset force. "
+            "The sum is mass times acceleration of the bead. The acceleration comes from "
+            "differences of the velocity between samples. From every second sample, mass times "
+            "acceleration differs "
+            f"by at most {si(error, 'N')}."
+        ]
     if run.attributes["model"] == "scaled":
         means = (
             f"mass times acceleration over a2 = {scene.simulation.scaling_factor:g}: the scaled "
@@ -128,14 +142,23 @@ def _forces(run: Run, problem: Problem) -> tuple[dict[str, Array], list[str]]:
         )
     elif run.attributes["model"] == "first-order":
         means = "mass times acceleration of the bead, to the first order of its relaxation time"
-    elif run.attributes["fluid_inertia"] == "none":
-        means = "mass times acceleration of the bead"
     else:
-        means = (
-            "what changes the momentum of the bead and of the water that moves with it (fluid "
-            f"inertia: {run.attributes['fluid_inertia']})"
-        )
+        means = "mass times acceleration of the bead"
     return forces, [f"Drag is the steady one, minus velocity over mobility. The sum is {means}."]
+
+
+def _slope(values: Array, times: Array) -> Array:
+    """Return the derivative over time, (n, 3) in SI, of values (n, 3) at the times (n,), s."""
+    return np.asarray(np.gradient(values, times, axis=0, edge_order=2), np.float64)
+
+
+def _error_of_slope(change: Array, velocity: Array, times: Array, mass: float) -> float:
+    """Return the largest difference, N, of mass times acceleration from every second sample.
+
+    change: mass times acceleration by every sample, (n, 3) N.
+    """
+    coarse = mass * _slope(velocity[::2], times[::2])
+    return float(np.abs(coarse - change[::2]).max(initial=0.0))
 
 
 def _energies(

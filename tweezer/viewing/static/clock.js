@@ -63,6 +63,27 @@ export class Clock {
     shell.key("l", "loop or not", () => { this.loop = this.looped.checked = !this.loop; });
     this.label();
     this.listen(() => this.show());
+    shell.onReset(() => this.seek(this.first));
+    shell.remember("time", () => this.time, (time) => {
+      if (Number.isFinite(Number(time))) this.seek(Number(time));
+    });
+  }
+
+  // Record the canvas of the picture while time goes from the first to the last, as a video file.
+  film(canvas) {
+    const type = ["video/mp4", "video/webm"].find((each) => MediaRecorder.isTypeSupported(each));
+    const recorder = new MediaRecorder(canvas.captureStream(30), { mimeType: type, videoBitsPerSecond: 8e6 });
+    const parts = [], { loop } = this;
+    recorder.ondataavailable = ({ data }) => parts.push(data);
+    recorder.onstop = () => {
+      this.loop = loop;
+      this.shell.download(new Blob(parts, { type }), type.split("/")[1]);
+    };
+    this.seek(this.first);
+    this.loop = false;
+    this.ended = () => recorder.stop();
+    recorder.start();
+    this.play();
   }
 
   faster(by) {
@@ -109,6 +130,8 @@ export class Clock {
     this.label();
     this.show();
     this.shell.say(`Paused at ${this.words()}`);
+    this.ended?.();
+    this.ended = null;
   }
 
   // Go to a time; `told` to screen readers if it was a jump.

@@ -30,11 +30,15 @@ export function start(content, shell) {
     : "The mean of the beads, with one and two standard deviations, in the light; plots and the table below have the numbers.";
   const flat = !drawing().possible;
   const stage = new (flat ? Flat : Stage)(shell, { center: middle, reach, label });
-  stage.floor(low[2]);
+  const grid = stage.floor(low[2]);
   const close = ({ z }) => 1e6 * z > low[2] - reach && 1e6 * z < high[2] + reach;
-  for (const { z, normal, name } of facts.walls.filter(close)) stage.wall(1e6 * z, normal, name);
+  const walls = facts.walls.filter(close).map(({ z, normal, name }) => stage.wall(1e6 * z, normal, name));
   shell.outside(facts.walls.filter((wall) => !close(wall)));
-  for (const beam of facts.beams) stage.beam(beam, 1.5 * Math.max(reach, radius)).place(beam.focus.map(micro));
+  const beams = facts.beams.map((given) => {
+    const beam = stage.beam(given, 1.5 * Math.max(reach, radius));
+    beam.place(given.focus.map(micro));
+    return beam;
+  });
   const bead = stage.bead(facts.shells.map(micro));
   const way = stage.path(mean.map((x) => (Number.isFinite(x) ? 1e6 * x : 0)), true);
   shell.onTheme(() => way.colour(stage.colours("speed", times.length)));
@@ -46,7 +50,15 @@ export function start(content, shell) {
   const counts = make("p", { class: "counts" });
   const sized = make("input", { type: "checkbox", checked: radius < 0.7 * reach, onchange: () => show(clock.time) });
   shell.picture.append(make("div", { class: "forces" }, counts,
-    make("label", {}, sized, " a bead to scale, at the mean")));
+    make("label", {}, sized, " a bead to scale, at the mean"),
+    shell.layers({
+      light: beams, ...(facts.trajectories && { beads: [cloud, rings] }), "path of the mean": [way], grid: [grid], walls,
+    }, () => stage.draw())));
+  shell.offer("Data", "save the mean and the spread over time as a CSV file, in SI units", () => shell.downloadTable({
+    "time (s)": times,
+    ...Object.fromEntries([["mean", mean], ["standard deviation", spread]].flatMap(([name, values]) =>
+      AXES.map((axis, k) => [`${name} of ${axis} (m)`, column(values, k, 3)]))),
+  }));
 
   // ---- the density
   const place = facts.trajectories ? AXES.map((name) => shell.array(name)) : null;

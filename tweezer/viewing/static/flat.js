@@ -102,16 +102,19 @@ export class Flat {
     pen.stroke();
   }
 
-  floor() {}
+  floor() {
+    return {};
+  }
 
   wall(z, normal, words) {
-    this.add((pen) => {
+    const group = this.add((pen) => {
       const [x, y] = this.center, size = 1.5 * this.reach;
       this.line(pen, [[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]].map(([u, v]) => [x + size * u, y + size * v, z]), "wall", 2);
       pen.fillStyle = this.shell.colour("soft");
       pen.font = "13px system-ui, sans-serif";
       pen.fillText(words, 8, this.place([x, y, z])[1] - 5);
     });
+    return { group };
   }
 
   beam({ half_angle }, length) {

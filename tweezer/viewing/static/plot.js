@@ -20,20 +20,18 @@ export class Plot {
     this.legend.append(make("h2", {}, `${options.title} (${options.unit})`), ...curves.map((curve, i) =>
       make("span", { class: "entry" }, swatch(curve), ` ${curve.name} `, this.shown[i])));
     // what is clicked takes keys
+    this.tip = make("span", { class: "tip", hidden: true });
     this.area = make("div", { class: "area", tabindex: options.onpick ? -1 : null }, this.back,
-      make("div", { "aria-hidden": "true" }, this.line, ...this.dots));
+      make("div", { "aria-hidden": "true" }, this.line, ...this.dots, this.tip));
+    this.area.addEventListener("pointermove", (event) => this.hover(event));
+    this.area.addEventListener("pointerleave", () => { this.tip.hidden = true; });
     this.box = make("figure", { class: "plot" }, this.legend, this.area);
     host.append(this.box);
     this.range = options.range ?? this.extent();
     this.partly = curves.some(({ values }) => values.some((value) => this.below(value)));
     if (this.partly) this.legend.append(make("span", { class: "entry below" }, `not drawn below ${text(this.range[0], 2)} ${options.unit}`));
     this.describe();
-    const pick = (event) => {
-      const left = this.area.getBoundingClientRect().left;
-      const [low, high] = this.ends();
-      const part = (event.clientX - left - LEFT) / (this.width - LEFT - RIGHT);
-      this.options.onpick(low + Math.min(Math.max(part, 0), 1) * (high - low));
-    };
+    const pick = (event) => this.options.onpick(this.under(event));
     if (options.onpick) {
       this.area.classList.add("picks");
       this.area.addEventListener("pointerdown", (event) => {
@@ -47,6 +45,32 @@ export class Plot {
     }
     new ResizeObserver(() => this.resize()).observe(this.area);
     shell.onTheme(() => this.width && this.draw());
+  }
+
+  // The value of x under the pointer.
+  under(event) {
+    const [low, high] = this.ends(), { left } = this.area.getBoundingClientRect();
+    const part = (event.clientX - left - LEFT) / (this.width - LEFT - RIGHT);
+    return low + Math.min(Math.max(part, 0), 1) * (high - low);
+  }
+
+  // Values of the curves at a value of x: between samples, unless the curve jumps.
+  at(value) {
+    const [i, part] = locate(this.x.values, value);
+    return this.curves.map(({ values }) => {
+      const next = values[Math.min(i + 1, values.length - 1)];
+      return this.options.jumps || part === 0 ? values[i] : values[i] + part * (next - values[i]);
+    });
+  }
+
+  // Show the values under a mouse beside it.
+  hover(event) {
+    if (event.pointerType !== "mouse" || !this.width) return;
+    const value = this.under(event), x = this.across(value), right = x > this.width / 2;
+    const each = this.at(value).map((number, k) => `${this.curves[k].name} ${this.number(number)}`);
+    this.tip.textContent = [`${text(value, 4)} ${this.x.unit}`, ...each].join(" · ");
+    this.tip.hidden = false;
+    this.tip.style.transform = `translate(${x + (right ? -8 : 8)}px, ${TOP}px)${right ? " translateX(-100%)" : ""}`;
   }
 
   ends() {
@@ -141,15 +165,17 @@ export class Plot {
     }
     const [low, high] = this.ends();
     const step = nice((high - low) / Math.max(2, (this.width - LEFT - RIGHT) / 90)) || 1;
+    const axis = `${this.x.name} (${this.x.unit})`, room = pen.measureText(axis).width + 10;
     pen.textAlign = "center"; pen.textBaseline = "top"; pen.fillStyle = ink;
     for (let k = Math.ceil(low / step - 1e-9); k * step <= high * (1 + 1e-9); k++) {
       const x = Math.round(this.across(k * step)) + 0.5;
       pen.strokeStyle = line;
       pen.beginPath(); pen.moveTo(x, this.height - BOTTOM); pen.lineTo(x, this.height - BOTTOM + 4); pen.stroke();
-      if (x < this.width - 70) pen.fillText(label(k * step, false, step), x, this.height - BOTTOM + 6);
+      const words = label(k * step, false, step);
+      if (x + pen.measureText(words).width / 2 < this.width - RIGHT - room) pen.fillText(words, x, this.height - BOTTOM + 6);
     }
     pen.textAlign = "right";
-    pen.fillText(`${this.x.name} (${this.x.unit})`, this.width - RIGHT, this.height - BOTTOM + 6);
+    pen.fillText(axis, this.width - RIGHT, this.height - BOTTOM + 6);
     pen.save();
     pen.beginPath(); pen.rect(LEFT, TOP - 2, this.width - LEFT - RIGHT, this.height - BOTTOM - TOP + 4); pen.clip();
     for (const curve of [...this.curves].reverse()) this.curve(pen, curve);
@@ -223,11 +249,7 @@ export class Plot {
   // Show the cursor at `value` of x, and what the curves have there.
   move(value) {
     this.cursor = value;
-    const [i, part] = locate(this.x.values, value);
-    const there = this.curves.map(({ values }) => {
-      const next = values[Math.min(i + 1, values.length - 1)];
-      return this.options.jumps || part === 0 ? values[i] : values[i] + part * (next - values[i]);
-    });
+    const there = this.at(value);
     there.forEach((number, k) => write(this.shown[k], this.number(number)));
     if (!this.width) return;
     const x = this.across(value);

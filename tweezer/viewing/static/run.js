@@ -14,6 +14,7 @@ const FORCES = {
   wall: ["walls", "force-wall", true],
   others: ["other forces", "force-wall", true],
   drag: ["drag", "force-drag", true],
+  fluid: ["inertia of the fluid", "terminal", true],
   sum: ["sum", "force-sum", false],
 };
 const DASHES = { x: [], y: [7, 3], z: [2, 2.5] };
@@ -34,8 +35,8 @@ export function start(content, shell) {
     "This browser does not draw in 3-D (WebGL is off): the picture is a plain projection."));
   const lowest = walls.find(({ normal }) => normal > 0);
   const floor = lowest ? 1e6 * lowest.z : center[2] - reach;
-  stage.floor(floor);
-  for (const { z, normal, name } of walls) stage.wall(1e6 * z, normal, name);
+  const grid = stage.floor(floor);
+  const sheets = walls.map(({ z, normal, name }) => stage.wall(1e6 * z, normal, name));
   const beams = facts.beams.map((beam) => stage.beam(beam, 1.5 * reach));
   const path = stage.path(place, facts.resolved);
   const bead = stage.bead(facts.shells.map((r) => 1e6 * r));
@@ -70,7 +71,8 @@ export function start(content, shell) {
     make("label", { title: "Arrows grow so that the longest is always as long" },
       make("input", { type: "checkbox", onchange: (event) => { grown = event.target.checked; show(clock.time); } }),
       " enlarge small forces"),
-    make("p", {}, "an arrow of 1 µm is ", arrowScale));
+    make("p", {}, "an arrow of 1 µm is ", arrowScale),
+    shell.layers({ light: beams, path: [path], bead: [bead], grid: [grid], walls: sheets }, () => stage.draw()));
   shell.picture.append(card);
   shell.outside(outside);
 
@@ -141,7 +143,23 @@ export function start(content, shell) {
       stage.draw();
     },
   });
-  if (!matchMedia("(prefers-reduced-motion: reduce)").matches && n > 1) clock.play();
+  shell.offer("Data", "save the samples as a CSV file, in SI units", () => shell.downloadTable(samples(shell)));
+  if (window.MediaRecorder && stage.canvas.captureStream && n > 1)
+    shell.offer("Film", "record the picture from the start to the end as a video", () => clock.film(stage.canvas));
+  if (clock.time === clock.first && !matchMedia("(prefers-reduced-motion: reduce)").matches && n > 1) clock.play();
+}
+
+// Columns of the samples of a run, in SI units, by their headings.
+function samples(shell) {
+  const columns = { "time (s)": shell.array("time") };
+  const vectors = { position: "m", velocity: "m/s", ...Object.fromEntries(Object.keys(FORCES).map((name) => [`force_${name}`, "N"])) };
+  for (const [name, unit] of Object.entries(vectors)) {
+    const values = shell.array(name);
+    if (values) ["x", "y", "z"].forEach((axis, k) => { columns[`${name} ${axis} (${unit})`] = column(values, k, 3); });
+  }
+  const euler = shell.array("orientation");
+  if (euler) for (let k = 0; k < 4; k++) columns[`e${k}`] = column(euler, k, 4);
+  return columns;
 }
 
 // A colour as three.js wants it.

@@ -24,6 +24,8 @@ export class Shell {
     this.content = content;
     this.keys = [];
     this.themed = [];
+    this.resets = [];
+    this.remembered = {};
     this.unpacked = {};
     this.sayer = make("p", { class: "unseen", "aria-live": "polite" });
     this.picture = make("section", { class: "picture", "aria-label": "Picture" });
@@ -32,13 +34,14 @@ export class Shell {
     this.board = make("div", { class: "board" }, this.picture, this.plots, this.clock);
     this.help = make("dialog", { "aria-labelledby": "keys" });
     this.themeButton = make("button", { type: "button", onclick: () => this.turnTheme() });
+    this.buttons = make("div", { class: "buttons" },
+      make("button", { type: "button", onclick: () => this.showHelp() }, "Keys"), this.themeButton);
     document.body.append(
       make("main", {},
         make("div", { class: "screen" },
           make("header", {},
             make("div", {}, make("h1", {}, content.title), this.sub()),
-            make("div", { class: "buttons" },
-              make("button", { type: "button", onclick: () => this.showHelp() }, "Keys"), this.themeButton)),
+            this.buttons),
           ...(content.warning ? [make("p", { class: "warning", role: "alert" }, content.warning)] : []),
           this.board),
         make("div", { class: "words" }, this.summary(), this.notes())),
@@ -55,7 +58,85 @@ export class Shell {
       this.retheme();
     });
     this.retheme();
-    window.tweezer = { content };
+    window.tweezer = { content, link: () => this.here };
+    this.remember("theme", () => this.theme ?? "", (theme) => {
+      this.theme = theme;
+      this.retheme();
+    });
+    if (document.fullscreenEnabled)
+      this.offer("Full screen", "fill the screen, or not", () => this.fillScreen());
+    if (location.protocol !== "about:")
+      this.offer("Link", "copy a link to this page as it is now", () => this.link());
+    this.offer("Reset", "show all as at first", () => { for (const act of this.resets) act(); });
+  }
+
+  // ---- buttons of the page
+
+  // A button in the head of the page.
+  offer(name, does, act) {
+    this.buttons.prepend(make("button", { type: "button", title: does, onclick: act }, name));
+  }
+
+  // Call `act` when the page is to show all as at first.
+  onReset(act) {
+    this.resets.push(act);
+  }
+
+  // A part of what a link keeps: `words()` now, and `act(words)` where a link brings them.
+  remember(name, words, act) {
+    this.remembered[name] = words;
+    const found = new URLSearchParams(location.hash.slice(1)).get(name);
+    if (found) act(found);
+  }
+
+  // The address of the page as it is now.
+  get here() {
+    const kept = Object.entries(this.remembered).map(([name, words]) => [name, String(words())]).filter(([, words]) => words);
+    return `${location.href.split("#")[0]}#${new URLSearchParams(kept)}`;
+  }
+
+  async link() {
+    try {
+      await navigator.clipboard.writeText(this.here);
+      this.say("The link is copied");
+    } catch {
+      location.hash = new URL(this.here).hash;
+      this.say("The address of this page is now the link");
+    }
+  }
+
+  fillScreen() {
+    if (document.fullscreenElement) document.exitFullscreen(); else document.documentElement.requestFullscreen();
+  }
+
+  // Save a file, named after the page.
+  download(blob, ending) {
+    const address = URL.createObjectURL(blob), name = this.content.title.replace(/[^\p{L}\p{N}._-]+/gu, "-");
+    const anchor = make("a", { href: address, download: `${name}.${ending}` });
+    anchor.click();
+    setTimeout(() => URL.revokeObjectURL(address), 60e3);
+    this.say(`Saved ${anchor.download}`);
+  }
+
+  // Save columns {heading: values} of equal length as a CSV file.
+  downloadTable(columns) {
+    const rows = [Object.keys(columns).join(",")], each = Object.values(columns);
+    for (let i = 0; i < each[0].length; i++) rows.push(each.map((values) => Number(values[i].toPrecision(7))).join(","));
+    this.download(new Blob([`${rows.join("\n")}\n`], { type: "text/csv" }), "csv");
+  }
+
+  // Boxes that hide and show parts of the picture, {name: [things with a group]}.
+  layers(parts, redraw) {
+    const boxes = Object.entries(parts).map(([name, given]) => [name, given.filter((thing) => thing?.group)])
+      .filter(([, things]) => things.length).map(([name, things]) => {
+        const box = make("input", { type: "checkbox", checked: true, onchange: () => {
+          for (const { group } of things) group.visible = box.checked;
+          redraw();
+        } });
+        this.onReset(() => { if (!box.checked) box.click(); });
+        return make("label", {}, box, ` ${name}`);
+      });
+    return make("fieldset", { class: "layers" }, make("legend", {}, "Show"), ...boxes);
   }
 
   // Values of an array of the content, unpacked once.

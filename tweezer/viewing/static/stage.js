@@ -17,12 +17,13 @@ const RATIO = 1.5;
 const SLOW = 30, COARSEST = 0.6;
 // Part of what is seen at first below which a move on a path is not drawn by itself
 const UNSEEN = 5e-4;
-// Directions from which views look, and their names
+// Directions from which views look, their names, and whether they show a plane: in parallel projection,
+// so that the scale bar is right everywhere
 export const VIEWS = {
   1: { name: "at an angle", short: "3-D", from: [0.62, -1, 0.42] },
-  2: { name: "from the side, x to the right", short: "x–z", from: [0, -1, 0] },
-  3: { name: "from the side, y to the right", short: "y–z", from: [1, 0, 0] },
-  4: { name: "against the light, x to the right", short: "x–y", from: [0, -1e-4, 1] },
+  2: { name: "from the side, x to the right", short: "x–z", from: [0, -1, 0], plane: true },
+  3: { name: "from the side, y to the right", short: "y–z", from: [1, 0, 0], plane: true },
+  4: { name: "against the light, x to the right", short: "x–y", from: [0, -1e-4, 1], plane: true },
 };
 
 // Whether the browser draws in 3-D, and whether a graphics card does it.
@@ -67,6 +68,9 @@ export class Stage {
     shell.onTheme(() => this.retheme());
     this.resize();
     this.look(1);
+    shell.offer("Picture", "save the picture as a PNG file", () => this.save());
+    shell.onReset(() => this.look(1));
+    shell.remember("view", () => this.where(), (words) => this.goto(words));
     Object.assign(window.tweezer, {
       pixel: (position) => this.pixel(position), frames: () => this.frames, fps: () => this.fps(),
       camera: () => this.matrices(), look: (view) => this.look(view), draw: () => this.draw(),
@@ -80,12 +84,39 @@ export class Stage {
     this.view = view;
     const half = Math.tan((ANGLE * Math.PI) / 360) * Math.min(1, this.camera.aspect);
     const distance = this.reach / Math.sin(Math.atan(half));
+    this.camera.updateProjectionMatrix();
     this.controls.target.copy(this.home);
     this.camera.position.set(...from).setLength(distance).add(this.home);
     this.controls.update();
     this.buttons.forEach((button, k) => button.setAttribute("aria-pressed", String(k + 1 === Number(view))));
     this.shell.say(`Seen ${name}`);
     this.request();
+  }
+
+  // The view as words of a link: its number, where the camera is and what it looks at, um.
+  where() {
+    const each = [...this.camera.position.toArray(), ...this.controls.target.toArray()];
+    return [this.view, ...each.map((x) => Number(x.toPrecision(6)))].join("_");
+  }
+
+  goto(words) {
+    const [view, ...each] = words.split("_").map(Number);
+    if (!VIEWS[view] || each.length !== 6 || !each.every(Number.isFinite)) return;
+    this.look(view);
+    this.camera.position.set(...each.slice(0, 3));
+    this.controls.target.set(...each.slice(3));
+    this.controls.update();
+    this.request();
+  }
+
+  // Parallel projection of a plane, as wide as the perspective at what the camera looks at.
+  project() {
+    const { camera } = this;
+    if (!VIEWS[this.view]?.plane) return;
+    const up = camera.position.distanceTo(this.controls.target) * Math.tan((ANGLE * Math.PI) / 360);
+    const across = up * camera.aspect;
+    camera.projectionMatrix.makeOrthographic(-across, across, up, -up, -camera.far, camera.far);
+    camera.projectionMatrixInverse.copy(camera.projectionMatrix).invert();
   }
 
   // Turn the camera about the vertical and up, rad, and come nearer by a factor.
@@ -112,6 +143,7 @@ export class Stage {
   // Where a position (um) is in the window, pixels of the style sheet.
   pixel(position) {
     this.camera.updateMatrixWorld();
+    this.project();
     const { x, y } = new Vector3(...position).project(this.camera);
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     return [left + (x + 1) / 2 * width, top + (1 - y) / 2 * height];
@@ -120,6 +152,7 @@ export class Stage {
   // The matrices of the camera, by columns, and where the canvas is: for tests.
   matrices() {
     this.camera.updateMatrixWorld();
+    this.project();
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     return {
       projection: this.camera.projectionMatrix.toArray(),
@@ -171,12 +204,39 @@ export class Stage {
   paint(ratio) {
     if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
     for (const { size, pixels } of this.clouds) size.value = pixels * ratio;
+    this.project();
     this.renderer.render(this.scene, this.camera);
     this.frames++;
     this.drawn.push(performance.now());
     if (this.drawn.length > 240) this.drawn.shift();
     this.placeLabels();
     this.showScale();
+  }
+
+  // Save what is seen, with the scale bar and the words over it, as a PNG file.
+  save() {
+    this.draw();
+    const { width, height } = this.canvas, ratio = width / this.host.clientWidth;
+    const paper = make("canvas", { width, height }), pen = paper.getContext("2d");
+    const glow = pen.createRadialGradient(width / 2, 0.35 * height, 0, width / 2, 0.35 * height, 0.7 * width);
+    glow.addColorStop(0, this.shell.colour("stage-top"));
+    glow.addColorStop(1, this.shell.colour("stage-low"));
+    pen.fillStyle = glow;
+    pen.fillRect(0, 0, width, height);
+    pen.drawImage(this.canvas, 0, 0);
+    const home = this.host.getBoundingClientRect();
+    const words = (element) => {
+      const { left, bottom } = element.getBoundingClientRect();
+      pen.font = `${14 * ratio}px system-ui, sans-serif`;
+      pen.textBaseline = "bottom";
+      pen.fillText(element.textContent, ratio * (left - home.left), ratio * (bottom - home.top));
+    };
+    pen.fillStyle = pen.strokeStyle = this.shell.colour("ink");
+    words(this.barText);
+    const bar = this.bar.getBoundingClientRect(), y = ratio * (bar.bottom - home.top);
+    pen.fillRect(ratio * (bar.left - home.left), y - 2 * ratio, ratio * bar.width, 2 * ratio);
+    for (const { element } of this.labels) if (!element.hidden) words(element);
+    paper.toBlob((blob) => this.shell.download(blob, "png"));
   }
 
   // Frames drawn in the last second.
@@ -282,8 +342,9 @@ export class Stage {
         cx - n * step, cy + k * step, z, cx + n * step, cy + k * step, z);
     const material = new LineBasicMaterial({ transparent: true, depthWrite: false });
     this.onTheme(() => { material.color = this.colour("grid"); });
-    this.scene.add(new LineSegments(geometry({ position: [points, 3] }), material));
-    return step;
+    const group = new LineSegments(geometry({ position: [points, 3] }), material);
+    this.scene.add(group);
+    return { group };
   }
 
   // A bead: spheres of radii `shells`, um, the outermost with a pattern that shows how it turns.
@@ -385,14 +446,17 @@ export class Stage {
       const [u, v] = corners[(k + 1) % 4], back = z - normal * thick;
       lines.push(x, y, z, u, v, z, x, y, back, u, v, back, x, y, z, x, y, back);
     });
+    const group = new Group();
     for (const at of [z, z - normal * thick]) {
       const plane = new Mesh(new PlaneGeometry(2 * size, 2 * size), material);
       plane.position.set(this.home.x, this.home.y, at);
       plane.renderOrder = 0;
-      this.scene.add(plane);
+      group.add(plane);
     }
-    this.scene.add(new LineSegments(geometry({ position: [lines, 3] }), edges));
+    group.add(new LineSegments(geometry({ position: [lines, 3] }), edges));
+    this.scene.add(group);
     this.label(words, [this.home.x - 0.9 * this.reach, this.home.y - 0.5 * this.reach, z]);
+    return { group };
   }
 
   // A path through positions (3 n) um, or its points, with colours (3 n) by `colour`.
@@ -598,7 +662,7 @@ void main() {
   place = normalize(position);
   vec4 seen = modelViewMatrix * vec4(position, 1.0);
   facing = normalMatrix * normal;
-  towards = -seen.xyz;
+  towards = projectionMatrix[3][3] > 0.5 ? vec3(0.0, 0.0, 1.0) : -seen.xyz;
   gl_Position = projectionMatrix * seen;
 }`;
 // eight fields in two tones, and the three great circles between them
@@ -634,7 +698,7 @@ varying vec3 facing; varying vec3 towards; varying float part;
 void main() {
   vec4 seen = modelViewMatrix * vec4(position, 1.0);
   facing = normalMatrix * normal;
-  towards = -seen.xyz;
+  towards = projectionMatrix[3][3] > 0.5 ? vec3(0.0, 0.0, 1.0) : -seen.xyz;
   part = along;
   gl_Position = projectionMatrix * seen;
 }`;

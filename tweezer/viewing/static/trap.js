@@ -37,9 +37,13 @@ export function start(content, shell) {
   const flat = !drawing().possible;
   const stage = new (flat ? Flat : Stage)(shell, { center: middle, reach, label });
   const near = ({ z }) => Math.abs(z) < 3e-6 * reach;
-  for (const { z, normal, name } of facts.walls.filter(near)) stage.wall(1e6 * z, normal, name);
+  const walls = facts.walls.filter(near).map(({ z, normal, name }) => stage.wall(1e6 * z, normal, name));
   shell.outside(facts.walls.filter((wall) => !near(wall)));
-  facts.lights.forEach((light, k) => stage.beam(facts.beams[k], 1.4 * reach).place(light.focus.map(micro), light.factor));
+  const beams = facts.lights.map((light, k) => {
+    const beam = stage.beam(facts.beams[k], 1.4 * reach);
+    beam.place(light.focus.map(micro), light.factor);
+    return beam;
+  });
   const bead = stage.bead(facts.shells.map(micro));
   bead.place(centre.map(micro));
   const sheet = stage.sheet();
@@ -48,12 +52,16 @@ export function start(content, shell) {
     if (position.every((x, k) => x >= low[k] && x <= high[k]))
       stage.label(stable ? (same ? "equilibrium" : "stable too") : "unstable", position.map(micro));
   }
-  for (const { direction, force_at } of facts.escapes) {
+  const escapes = facts.escapes.map(({ direction, force_at }) => {
     const way = [0, 0, 0];
     way[AXES.indexOf(direction[1])] = Number(`${direction[0]}1`) * micro(force_at);
-    stage.arrow("speed").set(centre.map(micro), way);
-  }
+    const arrow = stage.arrow("speed");
+    arrow.set(centre.map(micro), way);
+    return arrow;
+  });
   const here = stage.arrow("force-light");
+  shell.picture.append(make("details", { class: "forces" }, make("summary", {}, "Layers"),
+    shell.layers({ light: beams, bead: [bead], slice: [sheet], "escape directions": escapes, walls }, () => stage.draw())));
 
   // ---- the slice
   const slice = make("section", { class: "slice", "aria-label": "Slice" });
