@@ -1,7 +1,8 @@
 """Initial position of a bead along the light, the coordinate that a camera does not record.
 
-The motion in the plane depends on the position along the light, because the force does. So a track
-(t, x, y) of a bead that moves into the trap determines its initial z, which is the thesis's aim.
+The motion in the plane depends on the position along the light, because the force does. A track
+(t, x, y) of a bead that moves into the trap therefore determines its initial z, which is the aim of
+the thesis.
 """
 
 from __future__ import annotations
@@ -39,34 +40,34 @@ from tweezer.values.rounding import most
 from tweezer.values.shown import Card, Row, Shown
 from tweezer.values.units import TABLE_RADII, QuantitiesLike, QuantityLike
 
-#: Probability that a coordinate is a number from anywhere
+#: Probability that a recorded coordinate is an outlier
 _OUTLIERS = 0.01
-#: Range of the noise of a camera, m
+#: Allowed range of the camera noise, m
 _NOISE = (1e-10, 1e-6)
-#: Lower bound on the fitted noise, as a part of the thermal displacement between two frames or, if
-#: that is smaller, of the guess
+#: Lower bound on the fitted noise, as a fraction of the thermal displacement between two frames or,
+#: if that is smaller, of the initial value
 _LEAST_NOISE = 0.03
-#: Upper bound on the fitted noise, as a multiple of the guess
+#: Upper bound on the fitted noise, over the initial value
 _MOST_NOISE = 5.0
-#: Half-width of the search if none is given, as a part of how far the force is
-#: sampled evenly (`tweezer.forces.equilibria.Search`), which is the range of its map
+#: Default half-width of the search, over the distance to which the force is sampled evenly
+#: (`tweezer.forces.equilibria.Search`), which is the range of the force map
 _SEARCH = 0.75
-#: Number of values of one fitted quantity that are tried at each z of the scan; it doubles with
-#: each further quantity
+#: Number of values of one fitted quantity that are tried at each z of the scan; doubled for each
+#: further quantity
 _TRIALS = 16
-#: Step in z over which the misfit is about a parabola, in radii
+#: Step in z over which the misfit is approximately a parabola, in radii
 _Z_STEP = 0.03
-#: Smallest gap of a start beside a wall, in radii
+#: Smallest gap between the released bead and a wall, in radii
 _LEAST_GAP = 1e-3
-#: Number of frames from which the start is guessed
+#: Number of frames from which the initial position is estimated
 _FIRST = 7
-#: Standard deviation of the guessed start, in steps between frames
+#: Standard deviation of the estimated initial position, in displacements between frames
 _GUESS = 4.5
-#: Relative excess of an exposure over the time between frames that is allowed: times are rounded
+#: Relative excess of an exposure over the time between frames that is allowed as rounding
 _UNEVEN = 1e-3
 
 
-#: Note of every result about the approximation of its filter
+#: Note in every result on the approximation of the filter
 _WITHOUT_MEMORY = (
     "The filter leaves out the memory of the fluid. In water this puts the start of beads of "
     "0.5 to 2 um some 10 to 25 nm too far from the trap."
@@ -74,16 +75,16 @@ _WITHOUT_MEMORY = (
 
 
 class _Free(NamedTuple):
-    """Quantity that may be fitted besides the depth, by its logarithm p: value = given exp(p)."""
+    """Quantity that may be fitted in addition to z, by its logarithm p: value = given exp(p)."""
 
     unit: str
     step: float
-    """change of p over which the misfit is nearly a parabola"""
+    """change of p over which the misfit is approximately a parabola"""
     reach: float
     """largest |p|; NaN for noise and release, whose ranges depend on the track"""
 
 
-#: Quantities that may be fitted besides z, by name
+#: Quantities that may be fitted in addition to z, by name
 FREE = {
     "noise": _Free("m", 0.1, math.nan),
     "power": _Free("W", 0.03, math.log(4)),
@@ -300,7 +301,7 @@ def fit_depth(
     intervals = tuple(below(profile))
     path = likelihood.filtered(best, optimum)
     parameters = tuple(likelihood.parameters(optimum, profile.spread()))
-    # 3 for the initial x and y, from the first frames, and z
+    # three for the initial x and y, which come from the first frames, and z
     p_value = p_value_of(path, sized=noise is not None, fitted=3 + len(likelihood.names))
     doubts = _doubts(scene.body.size, likelihood, profile, path, p_value)
     (low, high), *more = intervals
@@ -358,7 +359,7 @@ def _refuse(
 
 
 def _refuse_in_the_wall(scene: Scene, search: tuple[float, float], fit: Sequence[str]) -> None:
-    """Raise an error for a model, range of initial z (m) or fitted name that a wall excludes."""
+    """Raise an error for a model, search range (m) or fitted quantity that a wall excludes."""
     if scene.simulation.model == "scaled":
         raise SceneError(
             "simulation.model = 'scaled': beside a wall the depth is fitted without inertia; "
@@ -383,9 +384,9 @@ def _between_walls(scene: Scene, low: float, high: float) -> tuple[float, float]
 
 
 def _start(positions: Array) -> Array:
-    """Return initial x and y, (2,) m: the medians of the first frames of `positions` (n, 2), m.
+    """Return initial x and y, (2,), m: the medians of the first frames of `positions` (n, 2), m.
 
-    A single outlier among these frames does not change a median much.
+    A single outlier among these frames changes a median only slightly.
     """
     first = positions[:_FIRST]
     middle: Array = np.median(first[np.isfinite(first).all(axis=1)], axis=0)
@@ -395,7 +396,7 @@ def _start(positions: Array) -> Array:
 def _usual(numbers: Array, order: int) -> float:
     """Return the median absolute difference, of the given `order`, of a coordinate `numbers` (n,).
 
-    NaN, which marks missing values, is left out first. The result has the unit of the numbers.
+    Missing values (NaN) are removed first. The result has the unit of the numbers.
     """
     return float(np.median(np.abs(np.diff(numbers[np.isfinite(numbers)], order))))
 
@@ -404,8 +405,9 @@ class _Likelihood:
     """Misfit, -2 log(likelihood), of a track as a function of z and p.
 
     z, m, is the initial position along the light. The vector p (n,) contains the other fitted
-    quantities in the order of `names`: the logarithm of the noise in metres, the logarithms of
-    power, radius and scaling factor over their values in the scene, and the release in frames.
+    quantities in the order of `names`. For the noise it is the logarithm of the value in metres.
+    For power, radius and scaling factor it is the logarithm of the ratio to the scene's value. The
+    release time is in frames.
     """
 
     def __init__(
@@ -436,8 +438,8 @@ class _Likelihood:
         least = self._noise or self._guess
         spread = [_GUESS * max(_usual(seen, 1), least) for seen in both.T]
         self._start = _start(self._positions)
-        # A frame shows the mean over its exposure. The bead was as far from it at the beginning of
-        # the exposure as it moves to the next frame.
+        # A frame shows the mean over its exposure. At the beginning of the exposure, the bead was
+        # about as far from this mean as it moves until the next frame.
         if exposure:
             heat = math.sqrt(2 * self._kT * self._problem.mobility[0] * exposure)
             spread = [math.hypot(seen[1] - seen[0], heat, least) for seen in both.T]
@@ -446,7 +448,7 @@ class _Likelihood:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the components of p, the quantities that are fitted besides z."""
+        """Names of the components of p, the quantities that are fitted in addition to z."""
         return self._fit if self._noise else ("noise", *self._fit)
 
     @property
@@ -461,17 +463,17 @@ class _Likelihood:
 
     @functools.cached_property
     def _guess(self) -> float:
-        """First guess of the camera noise, m, from the second differences of successive frames.
+        """Initial value of the camera noise, m, from the second differences of successive frames.
 
-        Thermal motion contributes to it. For Gaussian noise the median absolute second difference
-        is 0.6745 sqrt(6) standard deviations.
+        It includes some thermal motion. For Gaussian noise the median absolute second difference is
+        0.6745 sqrt(6) standard deviations.
         """
         usual = float(np.mean([_usual(seen, 2) for seen in self._positions.T]))
         return min(max(usual / (0.6745 * math.sqrt(6)), 2 * _NOISE[0]), _NOISE[1] / 2)
 
     @functools.cached_property
     def bounds(self) -> Array:
-        """Lower and upper bounds of p, (n, 2): logarithms, but frames for the release."""
+        """Lower and upper bounds of p, (n, 2): logarithms, or frames for the release time."""
         every = {name: (-free.reach, free.reach) for name, free in FREE.items()}
         every["release"] = (0.0, self._times[-1] / 2 / self._step)  # half of the track
         heat = math.sqrt(2 * self._kT * self._problem.mobility[0] * self._step)
@@ -481,12 +483,12 @@ class _Likelihood:
 
     @functools.cached_property
     def steps(self) -> Array:
-        """Steps of z, in radii, and of p over which the misfit is nearly a parabola, (n + 1,)."""
+        """Steps of z, in radii, and of p over which the misfit is about a parabola, (n + 1,)."""
         return np.array([_Z_STEP, *(FREE[name].step for name in self.names)])
 
     @functools.cached_property
     def trials(self) -> Array:
-        """Values of p, (trials, n), that are tried at each z of the scan, the given ones first.
+        """Values of p, (trials, n), that are tried at each z of the scan, the initial ones first.
 
         The others are spread evenly over the bounds by a Sobol sequence.
         """
@@ -506,11 +508,11 @@ class _Likelihood:
         return float(np.median(np.diff(self._times)))
 
     def noise(self, p: Array) -> float:
-        """Return the standard deviation of the camera noise, m, as given or as in p."""
+        """Return the standard deviation of the camera noise, m: the given value, or that of p."""
         return self._noise or math.exp(p[0])
 
     def _changes(self, p: Array) -> dict[str, float]:
-        """Return the fitted quantities but the noise, by name, as they are in p."""
+        """Return the fitted quantities except the noise, by name, as components of p."""
         return dict(zip(self._fit, p[len(p) - len(self._fit) :].tolist(), strict=True))
 
     def filtered(self, z: float, p: Array, least: float = -math.inf) -> Filtered:
@@ -527,7 +529,7 @@ class _Likelihood:
             raise IntegrationError(
                 f"a bead of {size * self.unit:.4g} m at {z:.6g} m is in the wall"
             )
-        if (size, a2) not in self._filters:  # only the latest filter is kept
+        if (size, a2) not in self._filters:  # only the most recent filter is cached
             self._filters = {(size, a2): kalman_filter(self._equations(size, a2))}
         moving = Bead(
             size * self.unit, power, self._kT, np.append(self._start, z), self._spread,
@@ -566,9 +568,10 @@ class _Likelihood:
         return bind_translation(problem, "scaled" if inertial else "overdamped")
 
     def misfit(self, z: float, p: Array, most: float = math.inf) -> float:
-        """Return -2 log(likelihood) at z, m, and p (n,); infinite if no motion can be followed.
+        """Return -2 log(likelihood) at z, m, and p (n,); infinite if the motion cannot be computed.
 
-        Above `most` it may be any number between `most` and the misfit, as the filter stops early.
+        If the misfit exceeds `most`, any number between the two may be returned, because the filter
+        stops early.
         """
         try:
             return -2 * self.filtered(z, p, -most / 2).log_likelihood
@@ -576,9 +579,9 @@ class _Likelihood:
             return math.inf
 
     def ends(self, p: Array) -> list[str]:
-        """Return the names of the quantities in p (n,) that are at an end of their range.
+        """Return the names of the quantities in p (n,) that are at the end of their range.
 
-        The lower ends of noise and release do not count: less noise makes no difference, and a
+        The lower ends of noise and release time are ignored: less noise makes no difference, and a
         bead is not released before the first frame.
         """
         low, high = self.bounds.T.copy()
@@ -604,7 +607,7 @@ class _Doubt(NamedTuple):
     told: str
     """text for the statement of the result"""
     refuses: bool
-    """whether z counts as not determined because of it"""
+    """whether it makes z count as not determined"""
 
 
 def _doubts(
@@ -613,7 +616,7 @@ def _doubts(
     """Return the reasons not to trust the interval of a fit.
 
     `radius`, m, is the radius of the bead, `path` the filtered track at the best fit, and `p_value`
-    the probability of residuals that are as far from white.
+    the probability that white residuals deviate at least as much.
     """
     doubts = []
     if profile.jumps(LEVEL).any():
@@ -660,10 +663,10 @@ def _statement(
     parameters: tuple[Parameter, ...],
     doubts: Sequence[_Doubt],
 ) -> str:
-    """Return the sentence of the result: what the track determines, and the doubts about it.
+    """Return the statement of the result: what the track determines, and reasons for doubt.
 
-    `z`, m, is the best fit, `intervals`, m, the pieces of the confidence interval and `search`, m,
-    the range that was searched.
+    `z`, m, is the best fit, `intervals`, m, are the pieces of the confidence interval, and
+    `search`, m, is the range that was searched.
     """
     pieces = " and ".join(map(_range, intervals))
     if determined:

@@ -5,32 +5,34 @@ inertia (5.2) or with it (A.25, 4.17):
 
     dx = u dt + sqrt(2 D) dW,    or    dx = (w/tau) dt,  dw = (u(x) - w/tau) dt + sqrt(2 D) dW,
 
-u = (F + W)/beta_v, D = k_B T/beta_v, w = tau v. Here x is the position, v the velocity, F the
+with u = (F + W)/beta_v, D = k_B T/beta_v, w = tau v. Here x is the position, v the velocity, F the
 optical force, W the weight, beta_v the drag coefficient, tau the relaxation time of the velocity
-and dW an increment of Brownian motion. The filter's state contains w = tau v in place of v, so that
-all of it is in metres. If the mobility mu depends on the position, as beside a wall, u = mu (F + W)
-+ k_B T dmu/dz and D = k_B T mu (D. L. Ermak and J. A. McCammon, J. Chem. Phys. 69, 1352 (1978)),
-which is available without inertia only. The mean of mu F over the covariance P differs from its
-value at the mean by (dmu/dz)(dF/dx)P, which cancels k_B T dmu/dz in a trap; d2mu/dz2 is left out.
-So a bead at rest has Boltzmann's mean and variance, in a trap or under its weight. The noise of a
-step is the mean of the noise at its ends.
+and dW an increment of Brownian motion. The filter's state contains w = tau v instead of v, so all
+of its components are in metres.
+
+Beside a wall the mobility mu depends on the position. Then u = mu (F + W) + k_B T dmu/dz and
+D = k_B T mu (D. L. Ermak and J. A. McCammon, J. Chem. Phys. 69, 1352 (1978)), which is available
+only without inertia. The mean of mu F over a distribution with the covariance P differs from the
+value at its mean by (dmu/dz)(dF/dx)P, which cancels k_B T dmu/dz in a trap. The second derivative
+of mu is neglected. A bead at rest therefore has Boltzmann's mean and variance, in a trap or under
+its weight. The noise of a step is the mean of the noise at its ends.
 
 The distribution of the state is assumed to be Gaussian. The force propagates the mean, and its
-Jacobian at the mean the covariance (the extended Kalman filter: A. H. Jazwinski, Stochastic
-Processes and Filtering Theory, 1970, 8.3). The steps are those of the exponential Rosenbrock method
-of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer, SIAM J. Numer. Anal. 47, 786 (2009)). Their
-exponentials are computed by doubling the step, so that a linear force is exact over any step. The
+Jacobian at the mean propagates the covariance (the extended Kalman filter: A. H. Jazwinski,
+Stochastic Processes and Filtering Theory, 1970, 8.3). Steps are made by the exponential Rosenbrock
+method of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer, SIAM J. Numer. Anal. 47, 786 (2009)).
+Its exponentials are computed by doubling the step, so a linear force is exact over any step. The
 force is not linear over more than about a radius. A distribution as wide as that is not Gaussian,
-and the likelihood of later frames means little. A narrower one becomes skew if the bead falls far
+and the likelihood of later frames is unreliable. A narrower one becomes skew if the bead falls far
 between two frames; it is then widened to its longer tail (`_predict`).
 
-A frame shows the mean of the position over its exposure T (motion blur). So the state is extended
-by the integral of the position over T, dI = x dt/T, which is 0 when a frame begins. Without
-exposure a frame shows the position itself.
+A frame shows the mean of the position over its exposure T (motion blur). The state is therefore
+extended by the integral of the position over T, dI = x dt/T, which is 0 when a frame begins.
+Without exposure a frame shows the position itself.
 
-A recorded coordinate is the bead's with Gaussian noise or, with a small probability, an outlier.
-The state is corrected in proportion to the probability that it is the bead's (Y. Bar-Shalom and E.
-Tse, Automatica 11, 451 (1975)).
+A recorded coordinate is that of the bead with Gaussian noise or, with a small probability, an
+outlier. The state is corrected in proportion to the probability that it is not an outlier
+(Y. Bar-Shalom and E. Tse, Automatica 11, 451 (1975)).
 """
 
 from __future__ import annotations
@@ -59,11 +61,11 @@ _TERMS = 8
 _PLACE = 0.03
 #: Largest change of the Jacobian in a step, times the step
 _RATES = 0.5
-#: Motion between frames, in radii, above which it is not linear in the position at its begin
+#: Motion between frames, in radii, above which it is not linear in the initial position
 _FAR = 0.3
 #: Upper bound on the steps from one frame to the next
 _MOST_STEPS = 10_000
-#: Time between two exposures that counts as none, in exposures: times are rounded
+#: Time between two exposures below which they count as adjacent (times are rounded), in exposures
 _INSTANT = 1e-6
 #: First column of the velocity, in the state of a model with inertia
 _VELOCITY = POSITION.stop
@@ -79,59 +81,59 @@ class Bead(NamedTuple):
     radius: float
     """Radius, m."""
     power: float
-    """Power of the light over the power in its scene, a number."""
+    """Power of the light over the power in its scene."""
     kT: float
     """Thermal energy k_B T, J."""
     start: Array
-    """(3,) m, mean of the initial position."""
+    """(3,) mean of the initial position, m."""
     spread: Array
-    """(3,) m, standard deviations of the initial position; 0 for a known coordinate."""
+    """(3,) standard deviations of the initial position, m; 0 for a known coordinate."""
     velocity: Array
-    """(3,) m/s, initial velocity; used by models with inertia only."""
+    """(3,) initial velocity, m/s; used only by models with inertia."""
     release: float
-    """s, time after the beginning of the first frame until which the bead is held at its start."""
+    """Time after the beginning of the first frame until which the bead is held at rest, s."""
 
 
 class Camera(NamedTuple):
-    """Track of n frames and c coordinates that a camera recorded, and the camera's errors."""
+    """Track of n frames and c coordinates recorded by a camera, and the errors of the camera."""
 
     times: Array
-    """(n,) s, beginnings of the frames, from the first one."""
+    """(n,) beginnings of the frames, relative to the first one, s."""
     positions: Array
-    """(n, c) m, recorded x, y and, if c = 3, z; NaN for a missing coordinate."""
+    """(n, c) recorded x, y and, if c = 3, z, m; NaN for a missing coordinate."""
     noise: Array
-    """(c,) m, standard deviation of the camera's Gaussian noise in each coordinate."""
+    """(c,) standard deviation of the camera's Gaussian noise in each coordinate, m."""
     outliers: float
-    """1/m, probability density of false coordinates: the odds of one, over the length in which they
-    occur. It is added to the density of the bead's coordinate; 0 for none."""
+    """Probability density of outliers, 1/m: the odds of an outlier over the length in which they
+    occur. It is added to the density of the bead's coordinate; 0 without outliers."""
     exposure: float = 0.0
-    """s, time over which a frame averages the position, at most the time between two frames."""
+    """Time over which a frame averages the position, at most the time between two frames, s."""
 
 
 class Filtered(NamedTuple):
     """Result of a Kalman filter for a track of n frames and c coordinates."""
 
     log_likelihood: float
-    """Logarithm of the probability density of the recorded coordinates, in m."""
+    """Logarithm of the probability density of the recorded coordinates in m."""
     predicted: Vector
-    """(n, 3) m, mean position in each frame, without camera noise, given the previous frames."""
+    """(n, 3) predicted mean position in each frame, given the previous frames, m."""
     deviations: Vector
-    """(n, 3) m, standard deviations of the predicted positions, without camera noise."""
+    """(n, 3) standard deviations of the predicted positions, without camera noise, m."""
     residuals: Vector
-    """(n, c) recorded less predicted coordinates, over their standard deviation with camera noise;
-    NaN for a missing coordinate. They are independent, with mean 0 and variance 1, if the model is
-    right."""
+    """(n, c) recorded minus predicted coordinates, over their standard deviation with camera noise;
+    NaN for a missing coordinate. For a correct model they are independent, with mean 0 and variance
+    1."""
     weights: Vector
-    """(n, c) probability that the coordinate is the bead's and not an outlier; NaN if missing."""
+    """(n, c) probability that the coordinate is not an outlier; NaN if it is missing."""
 
 
 def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
     """Return a Kalman filter for tracks of a bead, from its translational equations of motion.
 
     The filter is a function of a `Bead`, a `Camera` and, optionally, `least`, a log-likelihood. It
-    stops at the frame after which `least` cannot be reached any more, returns an upper bound of the
-    log-likelihood, and leaves the later rows NaN. It raises `IntegrationError` where the motion
-    cannot be followed. A drag that depends on the position is assumed to depend on z alone.
+    stops at the frame after which `least` can no longer be reached, returns an upper bound of the
+    log-likelihood, and leaves later rows NaN. It raises `IntegrationError` if the motion cannot be
+    computed. A drag that depends on the position is assumed to depend only on z.
 
     Parameters
     ----------
@@ -150,14 +152,14 @@ def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
             "overdamped"
         )
     system = equations.system(gradient=True, derivatives=True)
-    # velocities are multiplied by their relaxation time, so that all of the state is in metres
+    # velocities are multiplied by their relaxation time, so that the whole state is in metres
     scale = np.ones(len(equations.initial_state))
     if equations.inertial:
         scale[equations.layout.at("velocity")] = equations.relaxation.modes.times[TRANSLATION, 0]
     loop = _loop()
 
     def filtered(bead: Bead, camera: Camera, least: float = -math.inf) -> Filtered:
-        """Filter the track of a camera, unless its log-likelihood cannot reach `least`."""
+        """Filter the track of a camera, stopping if its log-likelihood cannot reach `least`."""
         seen = camera.positions.shape[1]
         out = [np.full((len(camera.times), columns), np.nan) for columns in (3, 3, seen, seen)]
         log_likelihood = loop(system, scale, bead, camera, least, *out)
@@ -172,9 +174,10 @@ def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
 def _loop() -> Any:
     """Compile the loop over frames, which fills the arrays of a `Filtered`.
 
-    It takes the bound force and drag (`system`), the factors (m,) of the state's coordinates to
-    metres (`scale`, see `Room`), the bead, the camera, the least log-likelihood of interest and
-    the four arrays of `Filtered`. It returns the log-likelihood, NaN if no motion can be followed.
+    Its arguments are the bound force and drag (`system`), the factors (m,) that convert the state's
+    components to metres (`scale`, see `Room`), the bead, the camera, the smallest log-likelihood of
+    interest and the four arrays of `Filtered`. It returns the log-likelihood, or NaN if the motion
+    cannot be computed.
     """
     empty, table = np.zeros(0), np.zeros((0, 2))
     signature = types.float64(
@@ -190,7 +193,7 @@ def _loop() -> Any:
     def loop(  # type: ignore[no-untyped-def]
         system, scale, bead, camera, least, predicted, deviations, residuals, weights
     ):
-        """Filter all frames; the arguments and the result are described in `_loop`."""
+        """Filter all frames; `_loop` describes the arguments and the result."""
         m = scale.shape[0]  # number of components of the state without I (`Room`)
         work = _room(system, scale, camera.exposure > 0)
         mean, P = work.mean, work.P
@@ -202,7 +205,7 @@ def _loop() -> Any:
         _diffuse(bead, work, work.diffusion)
         time, log_likelihood, step = 0.0, 0.0, np.inf
         frames, coordinates = camera.positions.shape
-        most = 0.0  # log-likelihood of one frame, at most
+        most = 0.0  # largest possible log-likelihood of one frame
         for k in range(coordinates):
             sharpest = 1 / (math.sqrt(2 * math.pi) * camera.noise[k])
             most += math.log(sharpest + camera.outliers)
@@ -234,47 +237,47 @@ def _loop() -> Any:
 class Room(NamedTuple):
     """State of the filter and the arrays in which a step is computed.
 
-    The state consists of the position x; with inertia, of w, the velocity times its relaxation
-    time; and with an exposure, of I, the integral of the position over the exposure, divided by it.
-    Each has three components in metres. m, 3 or 6, is the number of components of x and w, and n,
-    m or m + 3, the number of all components.
+    The state consists of the position x and, with inertia, of the velocity multiplied by its
+    relaxation time, w. With an exposure it also contains I, the integral of the position since the
+    beginning of the exposure, divided by the exposure. Each has three components in metres. Below,
+    m (3 or 6) is the number of components of x and w, and n (m or m + 3) is that of the state.
     """
 
     scale: Array
-    """(m,) factors from the state of the model to the filter's: 1 of x, relaxation time (s) of v"""
+    """(m,) factors from the model's state to the filter's: 1 for x, relaxation time (s) for v"""
     ratio: Array
-    """(m, m) factors from the Jacobian of the model to the filter's, scale_i / scale_j"""
+    """(m, m) factors from the model's Jacobian to the filter's, scale_i / scale_j"""
     per_exposure: Array
-    """(1,) 1/s, one over the exposure while a frame is exposed, or 0"""
+    """(1,) inverse exposure during an exposure, otherwise 0, 1/s"""
     diffusion: Array
-    """(3,) m^2/s, diffusion coefficients along the axes at the beginning of a step"""
+    """(3,) diffusion coefficients along the axes at the beginning of a step, m^2/s"""
     diffusion_ahead: Array
-    """(3,) m^2/s, diffusion coefficients at the end of a step"""
+    """(3,) diffusion coefficients at the end of a step, m^2/s"""
     mean: Array
-    """(n,) m, mean of the state"""
+    """(n,) mean of the state, m"""
     P: Array
-    """(n, n) m^2, covariance of the state"""
+    """(n, n) covariance of the state, m^2"""
     place: Array
-    """(n,) m, first estimate of the mean at the end of a step"""
+    """(n,) first estimate of the mean at the end of a step, m"""
     rate: Array
-    """(n,) m/s, rate of change of the mean at the beginning of a step"""
+    """(n,) rate of change of the mean at the beginning of a step, m/s"""
     rate_ahead: Array
-    """(n,) m/s, rate of change at `place`"""
+    """(n,) rate of change at `place`, m/s"""
     rise: Array
-    """(n,) m/s, part of the change of the rate in a step that is not linear in the state"""
+    """(n,) part of the change of the rate in a step that is not linear in the state, m/s"""
     A: Array
-    """(n, n) 1/s, Jacobian d(rate)/d(state) at the beginning of a step"""
+    """(n, n) Jacobian d(rate)/d(state) at the beginning of a step, 1/s"""
     A_ahead: Array
-    """(n, n) 1/s, Jacobian at `place`, then the mean of both Jacobians"""
+    """(n, n) Jacobian at `place`, later the mean of both Jacobians, 1/s"""
     noise: Array
-    """(n, n) m^2/s, rate at which thermal motion adds to the covariance, 2 D on the diagonal"""
+    """(n, n) rate at which thermal motion increases the covariance, 2 D on the diagonal, m^2/s"""
     Phi: Array
     """(n, n) exp(A h), which propagates a deviation of the state over a step of length h"""
     Q: Array
-    """(n, n) m^2, covariance that thermal motion adds in a step"""
+    """(n, n) covariance that thermal motion adds in a step, m^2"""
     forced: Array
-    """(3, n) m, displacements by a rate that is constant, or grows as s/h or (s/h)^2 with the time
-    s since the beginning of a step of length h"""
+    """(3, n) displacements by a rate that is constant, or increases as s/h or (s/h)^2 with the time
+    s since the beginning of a step of length h, m"""
     scratch: Array
     """(n, n) intermediate product"""
     other: Array
@@ -282,19 +285,19 @@ class Room(NamedTuple):
     vectors: Array
     """(3, n) intermediate vectors"""
     begin: Array
-    """(n,) m, mean of the state at the beginning of the motion to the next frame"""
+    """(n,) mean of the state at the beginning of the motion to the next frame, m"""
     middle: Array
-    """(n,) m, mean of the state at the next frame"""
+    """(n,) mean of the state at the next frame, m"""
     aside: Array
-    """(n,) m, distance of two neighbours from `begin`: three standard deviations in z"""
+    """(n,) distance of two neighbours from `begin`, three standard deviations in z, m"""
     below: Array
-    """(n,) m, distance of the lower neighbour below `middle` at the next frame"""
+    """(n,) distance of the lower neighbour below `middle` at the next frame, m"""
     above: Array
-    """(n,) m, distance of the upper neighbour above `middle` at the next frame"""
+    """(n,) distance of the upper neighbour above `middle` at the next frame, m"""
     covariance: Array
-    """(n, n) m^2, covariance at the next frame before it is widened (`_predict`)"""
+    """(n, n) covariance at the next frame before it is widened (`_predict`), m^2"""
     factors: Array
-    """(3,) s, factors of a term of the series for each row of `forced`"""
+    """(3,) coefficients of a term of the series for each row of `forced`, s"""
     state: Array
     """(m,) state of the model, with velocities in m/s"""
     at: Any
@@ -318,10 +321,10 @@ def _room(system, scale, exposed):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _expose(work, m, rate):  # type: ignore[no-untyped-def]
-    """Begin the exposure of a frame: set the integral I of the position to 0.
+    """Begin the exposure of a frame by setting the integral I of the position to 0.
 
-    I is in the rows m, m + 1 and m + 2 of the state in `work`. From now on it grows by the position
-    times `rate`, 1/s, which is one over the exposure.
+    I is in rows m, m + 1 and m + 2 of the state in `work`. It then grows by the position times
+    `rate`, the inverse exposure, 1/s.
     """
     mean, P = work.mean, work.P
     work.per_exposure[0] = rate
@@ -333,10 +336,10 @@ def _expose(work, m, rate):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _go_on(system, bead, work, time, until, step):  # type: ignore[no-untyped-def]
-    """Propagate the state of `work` from `time` to `until`, s, with the bead held to its release.
+    """Propagate the state of `work` from `time` to `until`, s, with the bead held until released.
 
-    `step`, s, is the suggested step of the integration. Returns the next one, or 0 if the motion
-    cannot be followed.
+    `step`, s, is the suggested integration step. Returns the next one, or 0 if the motion cannot be
+    computed.
     """
     held = min(max(bead.release - time, 0.0), until - time)
     if held > 0:
@@ -350,8 +353,9 @@ def _go_on(system, bead, work, time, until, step):  # type: ignore[no-untyped-de
 def _hold(work, span):  # type: ignore[no-untyped-def]
     """Propagate the state over `span`, s, in which the bead is held.
 
-    Only I, the integral of the position over an exposure (rows m to m + 2), grows, by `part`, the
-    fraction of the exposure in the span. Rows of the covariance come first, then its columns.
+    Only I, the integral of the position over an exposure (rows m to m + 2), changes. It grows by
+    the position times `part`, the fraction of the exposure in the span. Rows of the covariance are
+    updated first, then its columns.
     """
     mean, P, part = work.mean, work.P, work.per_exposure[0] * span
     n, m = mean.shape[0], work.scale.shape[0]
@@ -370,7 +374,7 @@ def _hold(work, span):  # type: ignore[no-untyped-def]
 def _diffuse(bead, work, diffusion):  # type: ignore[no-untyped-def]
     """Fill `diffusion` (3,), m^2/s, with k_B T times the mobility along each axis in `work.at`.
 
-    The first of the two mobilities is of x and y, the second of z, the direction across a wall.
+    The first of the two mobilities applies to x and y, the second to z, perpendicular to a wall.
     """
     for k in range(3):
         diffusion[k] = bead.kT * work.at.mobility[1 if k == 2 else 0]
@@ -388,9 +392,10 @@ def _resist(system, work, z):  # type: ignore[no-untyped-def]
 def _rates(system, bead, work, place, rate, A, diffusion):  # type: ignore[no-untyped-def]
     """Compute the rate of change of the filter's state at `place` by the emitted model.
 
-    Fills `rate` (n,), m/s, its Jacobian `A` (n, n), 1/s, and the diffusion coefficients `diffusion`
-    (3,), m^2/s. `place` (n,), m, is a state as `Room` describes it, `system` the bound force and
-    drag, and `work` has scratch and the covariance.
+    The function writes `rate` (n,), m/s, its Jacobian `A` (n, n), 1/s, and the diffusion
+    coefficients `diffusion` (3,), m^2/s. `place` (n,), m, is a state as described by `Room`,
+    `system` contains the bound force and drag, and `work` provides scratch arrays and the
+    covariance.
     """
     at, state, scale = work.at, work.state, work.scale
     n, m = rate.shape[0], scale.shape[0]
@@ -425,7 +430,7 @@ def _rates(system, bead, work, place, rate, A, diffusion):  # type: ignore[no-un
     _diffuse(bead, work, diffusion)
     if not system.uniform:
         rate[2] += bead.kT * at.mobility_gradient[1, 2]  # thermal drift towards higher mobility
-        # the mean of mobility times force over the distribution, less their product at the mean
+        # covariance of mobility and force: the mean of their product minus the product at the mean
         for k in range(3):
             for j in range(3):
                 spread = at.force_gradient[k, j] * work.P[j, 2]
@@ -434,10 +439,10 @@ def _rates(system, bead, work, place, rate, A, diffusion):  # type: ignore[no-un
 
 @named_njit(inner=True, error_model="numpy")
 def _go(system, bead, work, span, step):  # type: ignore[no-untyped-def]
-    """Propagate the state of `work` over `span`, s, in steps that its error estimate chooses.
+    """Propagate the state of `work` over `span`, s, in steps chosen by the error estimate.
 
-    `step`, s, is the first one to try. Returns the next step, s, or 0 if the motion cannot be
-    followed.
+    `step`, s, is the first step to try. Returns the next step, s, or 0 if the motion cannot be
+    computed.
     """
     left = span
     for _ in range(_MOST_STEPS):
@@ -455,9 +460,9 @@ def _predict(system, bead, work, span, step):  # type: ignore[no-untyped-def]
     """Propagate the state of `work` to the next frame, over `span`, s.
 
     If the bead moves far, the motion is not linear over the spread of z, which no frame shows, and
-    the distribution becomes skew. So the motions that begin three standard deviations below and
-    above the mean in z (with the other coordinates as correlated with z) are propagated as well.
-    The covariance is widened to the longer of the two sides, and the mean is that of a parabola
+    the distribution becomes skew. The motions that begin three standard deviations below and above
+    the mean in z (with the other coordinates as correlated with z) are then propagated as well. The
+    covariance is widened to the longer of the two sides, and the mean follows from a parabola
     through the three motions. `step` and the returned next step, s, are as in `_go`.
     """
     mean, P = work.mean, work.P
@@ -476,7 +481,7 @@ def _predict(system, bead, work, span, step):  # type: ignore[no-untyped-def]
         gone += (mean[k] - begin[k]) ** 2
     if gone < (_FAR * bead.radius) ** 2:
         return next_step
-    # the neighbours are propagated in the same `work`, so copy mean and covariance before
+    # the neighbours are propagated in the same `work`, so mean and covariance are copied first
     middle, covariance, below, above = work.middle, work.covariance, work.below, work.above
     for i in range(n):
         middle[i] = mean[i]
@@ -511,9 +516,10 @@ def _advance(system, bead, work, step):  # type: ignore[no-untyped-def]
     """Propagate the state of `work` by one step of `step`, s, or by a shorter one.
 
     The exponential Rosenbrock method of order 3 propagates the mean. Its correction to the
-    exponential Euler method is the error estimate. A step is shortened until the estimate is below
+    exponential Euler method is the error estimate. A step is shortened until this estimate is below
     `_PLACE` thermal displacements and the Jacobian changes by less than `_RATES` over the step.
-    Returns the length of the step made, 0 if none was short enough, and the length to try next.
+    Returns the length of the step that was made, 0 if none was short enough, and the next length to
+    try.
     """
     mean, rate, ahead, rise = work.mean, work.rate, work.rate_ahead, work.rise
     A, A_ahead, P, Phi = work.A, work.A_ahead, work.P, work.Phi
@@ -561,7 +567,7 @@ def _advance(system, bead, work, step):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _product(a, b, out):  # type: ignore[no-untyped-def]
-    """Write the product of two square matrices to `out`, which is neither of them."""
+    """Write the product of two square matrices to `out`, which must be a third array."""
     n = a.shape[0]
     for i in range(n):
         for j in range(n):
@@ -582,10 +588,10 @@ def _copy(a, out):  # type: ignore[no-untyped-def]
 def _exponentials(work, A, forcing, step, spreading):  # type: ignore[no-untyped-def]
     """Compute Phi = exp(A h) and the displacements by a rate `forcing`, for a step h = `step`, s.
 
-    A (n, n), 1/s, is the Jacobian and `forcing` (n,) a rate, m/s. Row p of `work.forced` becomes
-    the integral of exp(A (h - s)) (s/h)^p forcing over the step, p = 0, 1, 2. If `spreading`,
-    `work.Q` becomes the covariance that `work.noise` adds. A power series gives all of them for a
-    step of h / 2^halvings, short enough for it to converge; then the step is doubled again.
+    `A` (n, n), 1/s, is the Jacobian and `forcing` (n,) a rate, m/s. Row p of `work.forced`, p = 0,
+    1, 2, is set to the integral of exp(A (h - s)) (s/h)^p forcing over the step. If `spreading`,
+    `work.Q` is set to the covariance that `work.noise` adds. A power series gives all of them for a
+    step of h / 2^halvings, short enough to converge; this step is then doubled repeatedly.
     """
     Phi, Q, forced, X, other = work.Phi, work.Q, work.forced, work.scratch, work.other
     n = A.shape[0]
@@ -599,7 +605,7 @@ def _exponentials(work, A, forcing, step, spreading):  # type: ignore[no-untyped
     while size * h > _SHORT:
         h *= 0.5
         halvings += 1
-    # series in A h: of a forcing s^p, p! A^k h^(k+1) / (k+p+1)!
+    # series in A h; its terms for a forcing s^p are p! A^k h^(k+1) / (k+p+1)!
     factors = work.factors
     for p in range(3):
         factors[p] = h / (p + 1)
@@ -614,7 +620,7 @@ def _exponentials(work, A, forcing, step, spreading):  # type: ignore[no-untyped
     for i in range(n):
         power[i] = forcing[i]
     for term in range(1, _TERMS + 1):
-        # (A h)^term / term!, and A^term on the forcing
+        # (A h)^term / term!, and A^term applied to the forcing
         _product(A, X, other)
         for i in range(n):
             next_power[i] = 0.0
@@ -630,7 +636,7 @@ def _exponentials(work, A, forcing, step, spreading):  # type: ignore[no-untyped
     if spreading:
         _noise_of_a_short_step(work, A, h)
     carried = work.vectors
-    # double the step: Phi carries the displacements and Q of its first half over its second half
+    # double the step: Phi propagates displacements and Q of the first half over the second half
     for _ in range(halvings):
         for p in range(3):
             for i in range(n):
@@ -656,8 +662,8 @@ def _exponentials(work, A, forcing, step, spreading):  # type: ignore[no-untyped
 def _noise_of_a_short_step(work, A, h):  # type: ignore[no-untyped-def]
     """Compute `work.Q`, m^2, the covariance that noise adds in a short step `h`, s.
 
-    It solves Q' = A Q + Q A^T + N with the Jacobian A, 1/s, and the noise N, m^2/s, by a power
-    series in h, the first term of which, N h, is in `work.Q` already.
+    It solves Q' = A Q + Q A^T + N, with the Jacobian A, 1/s, and the noise N, m^2/s, by a power
+    series in h. The caller has stored its first term, N h, in `work.Q`.
     """
     term, other, Q = work.scratch, work.other, work.Q
     n = A.shape[0]
@@ -674,12 +680,12 @@ def _noise_of_a_short_step(work, A, h):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _see(camera, frame, k, shown, work, residuals, weights):  # type: ignore[no-untyped-def]
-    """Correct the state of `work` by coordinate k of a frame, and return its log-likelihood.
+    """Correct the state of `work` by coordinate `k` of a frame, and return its log-likelihood.
 
-    `shown` is the first row of the state that a frame shows, so row shown + k is the coordinate.
-    The correction is that of the Kalman filter times the weight, the probability that the number
-    is the bead's and not an outlier. Writes the coordinate's residual and weight. A missing
-    coordinate changes nothing and has the log-likelihood 0.
+    Row `shown` + k of the state contains the coordinate as a frame shows it. The correction of the
+    Kalman filter is multiplied by a weight, the probability that the number is not an outlier. The
+    coordinate's residual and weight are stored. A missing coordinate changes nothing and has the
+    log-likelihood 0.
     """
     seen = camera.positions[frame, k]
     if math.isnan(seen):
@@ -699,7 +705,7 @@ def _see(camera, frame, k, shown, work, residuals, weights):  # type: ignore[no-
         gain[i] = P[at, i] / variance
     for i in range(n):
         mean[i] += weight * gain[i] * off
-        # keep P symmetric to the last digit: an antisymmetric part is never corrected, and grows
+        # keep P exactly symmetric: an antisymmetric part would never be corrected, and would grow
         for j in range(i + 1):
             P[i, j] += weight * gain[i] * gain[j] * ((1 - weight) * off * off - variance)
             P[j, i] = P[i, j]

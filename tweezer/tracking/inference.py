@@ -1,8 +1,8 @@
-"""Keys of a scene from recordings of its trapped bead, by maximum likelihood.
+"""Maximum-likelihood fits of a scene's keys to recordings of its trapped bead.
 
 The likelihood uses the power spectrum of the bead in the scene's light, with the inertia of bead
-and fluid. The stiffness follows from the scene, so a recording determines what the stiffness
-and the drag depend on: power, size, index, aperture, the height above a wall.
+and fluid. The stiffness follows from the scene, so a recording determines the keys on which the
+stiffness and the drag depend: power, size, index, aperture, and the height above a wall.
 """
 
 from __future__ import annotations
@@ -31,23 +31,23 @@ from tweezer.values.prefixes import usual_unit
 from tweezer.values.rounding import time_taken, with_uncertainty
 from tweezer.values.shown import Card, Row, Shown
 
-#: Information that everything is taken to have, so that its inverse is finite
+#: Information that is added for every key, so that the matrix can be inverted
 _FAINT = 1e-6
-#: Distance from a bound at which a value counts as there
+#: Distance from a bound below which a value counts as at the bound
 _AT_END = 1e-3
-#: Tolerance of the end of an interval, in its distance
+#: Tolerance of the end of an interval, over its distance from the best fit
 _END = 0.01
-#: Part of the level that the misfit has reached just before a smooth end
+#: Fraction of the level that the misfit must reach just before a smooth end
 _SMOOTH = 0.9
-#: Smallest number of relaxation times, of the slowest axis that is seen
+#: Smallest duration in relaxation times of the slowest recorded axis
 _FEW = 50.0
 #: Largest distance of an interval's end from a determined value, as a logarithm or in radii
 _DETERMINED = 0.5
-#: Misfit above the least at which another minimum is not excluded: each fits by its own chance
+#: Misfit above the smallest, below which another minimum is not excluded: each fits by chance
 _RIVAL = 15.0
-#: Smallest systematic error that is reported, in the smallest relative uncertainty of a key
+#: Smallest systematic error that is reported, over the smallest relative uncertainty of a key
 _HARM = 0.5
-#: Change of a key in the description of a pair that is not distinguished
+#: Change of a key in the description of two keys that are not distinguished
 _TEN_PER_CENT = math.log(1.1)
 
 
@@ -214,7 +214,7 @@ def fit(
 
 
 def _loaded(recordings: Any) -> list[Recording]:
-    """Return recordings, loaded if they are files or datasets; refuse voltages."""
+    """Return recordings, loading files and datasets; refuse voltages."""
     several = isinstance(recordings, Sequence) and not isinstance(recordings, str)
     loaded = [
         each if isinstance(each, Recording) else load_recording(each)
@@ -232,7 +232,7 @@ def _loaded(recordings: Any) -> list[Recording]:
 
 
 def _refuse_unsettled(recording: Recording) -> None:
-    """Refuse a recording that begins before the bead rests in the trap; give the time to skip."""
+    """Refuse a recording that begins before the bead has settled; state the time to skip."""
     every = zip(recording.axes, recording.positions.T, strict=True)
     found = [(unsettled(positions, recording.step), axis) for axis, positions in every]
     begins = [(each, axis) for each, axis in found if each is not None]
@@ -247,9 +247,9 @@ def _refuse_unsettled(recording: Recording) -> None:
 
 
 def _likelihood(misfit: Misfit, own: int) -> str:
-    """Return the words for the fitted spectra: frequencies, sampling intervals and inertia.
+    """Return the description of the fitted spectra: frequencies, sampling intervals and inertia.
 
-    own: number of the user's own forces.
+    `own` is the number of the user's own forces.
     """
     steps = [each.step for each in misfit.recordings]
     lowest = min(float(each.periodogram.frequencies[0]) for each in misfit.spectra)
@@ -262,14 +262,14 @@ def _likelihood(misfit: Misfit, own: int) -> str:
 
 
 def _with_own(count: int) -> str:
-    """Return the words for a number of the user's own forces; "" for none."""
+    """Return text for a number of the user's own forces; "" for none."""
     if not count:
         return ""
     return f", with {count} {'force' if count == 1 else 'forces'} of your own"
 
 
 def _short(value: float, unit: str) -> str:
-    """Return a number in SI with three digits, in a unit of suitable size."""
+    """Return an SI value as text with three digits, in a unit of suitable size."""
     factor, name = usual_unit(value, unit)
     return f"{value / factor:.3g} {name}"
 
@@ -281,9 +281,10 @@ def _told(
     found: Sequence[FittedKey],
     p: float,
 ) -> list[str]:
-    """Return sentences about which keys the recordings determine, the most serious doubts first.
+    """Return sentences on which keys the recordings determine, with the most serious doubts first.
 
-    `rivals` are other minima of the misfit that are not excluded, and `p` the p-value of the fit.
+    `rivals` are other minima of the misfit that are not excluded, and `p` is the p-value of the
+    fit.
     """
     lines = []
     at_ends = [
@@ -319,9 +320,9 @@ def _told(
 
 
 def _degenerate(misfit: Misfit, best: Least, lost: Sequence[str]) -> list[str]:
-    """Return words for the combination of keys that changes the likelihood least, or nothing.
+    """Return text on the combination of keys that changes the likelihood least, or nothing.
 
-    `lost` are the undetermined keys; with fewer than two of them there is no such combination.
+    `lost` contains the undetermined keys; with fewer than two there is no such combination.
     """
     sizes, directions = np.linalg.eigh(best.information)
     direction = directions[:, 0]
@@ -339,7 +340,7 @@ def _degenerate(misfit: Misfit, best: Least, lost: Sequence[str]) -> list[str]:
 
 
 def _rivals(misfit: Misfit, rivals: Sequence[Least]) -> list[str]:
-    """Return words for the other minima of the misfit that the recordings do not exclude."""
+    """Return text on the other minima of the misfit that the recordings do not exclude."""
     lines = []
     for rival in rivals:
         values = (
@@ -370,7 +371,7 @@ class _Interval:
     def found(self, rivals: Sequence[Least], *, sound: bool) -> FittedKey:
         """Return the result for the key.
 
-        `rivals` are other minima that are not excluded. `sound` is whether the fit is trusted.
+        `rivals` are other minima that are not excluded, and `sound` is whether the fit is trusted.
         """
         key, at = self._misfit.keys[self._index], float(self._best.at[self._index])
         ends = [self._end(at, way) for way in (-1.0, 1.0)]
@@ -387,7 +388,7 @@ class _Interval:
         )  # fmt: skip
 
     def _rise(self, q: float) -> float:
-        """Return the square root of the misfit with the key fixed at the place q, above `best`.
+        """Return the square root of the misfit above its minimum, for the key fixed at place q.
 
         The other keys are fitted. The square root is nearly linear in the distance from `best`.
         """
@@ -402,8 +403,8 @@ class _Interval:
     def _end(self, at: float, way: float) -> float | None:
         """Return the place where the misfit exceeds its minimum by 3.84, below or above `at`.
 
-        `way` is -1 for the lower end and 1 for the upper. None if the misfit does not rise as much
-        within `_DETERMINED`, or if it jumps there because no such scene exists.
+        `way` is -1 for the lower end and 1 for the upper. Returns None if the misfit does not rise
+        that much within `_DETERMINED`, or if it jumps there because no such scene exists.
         """
         limit = float(np.clip(at + way * _DETERMINED, self._low, self._high))
         level = math.sqrt(LEVEL)
@@ -417,7 +418,7 @@ class _Interval:
             return None
 
         def above(q: float) -> float:
-            """Return how far the root of the misfit is above the level, bounded for no trap."""
+            """Return the root of the misfit minus the level, limited where there is no trap."""
             return min(self._rise(q), 10 * level) - level
 
         tolerance = _END * abs(outer - at)

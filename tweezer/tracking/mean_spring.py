@@ -1,4 +1,4 @@
-"""Harmonic trap that is closest to a real trap in thermal motion."""
+"""Harmonic trap that best approximates a real trap in thermal motion."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tweezer.forces.equilibria import Equilibrium
 from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
 
-#: Relative change of the stiffness in a round at which the rounds end; largest number of rounds
+#: Relative change of the stiffness at which iterations end, and largest number of iterations
 _SETTLED, _MOST_ROUNDS = 1e-7, 50
 
 
@@ -24,14 +24,14 @@ class MeanSpring(NamedTuple):
     stiffness: Array
     """(3,) mean stiffness along the axes, N/m"""
     drag: Array
-    """(3,) one over the mean mobility along the axes, kg/s"""
+    """(3,) inverse of the mean mobility along the axes, kg/s"""
 
 
 def _cubature() -> tuple[Array, Array]:
     """Return points (19, 3) and weights (19,) for means over three independent standard normals.
 
-    The mean of a function is the weighted sum of its values at the points, which is exact for
-    polynomials to degree 5 (J. McNamee and F. Stenger, Numer. Math. 10, 327 (1967)).
+    The mean of a function is the weighted sum of its values at the points. It is exact for
+    polynomials up to degree 5 (J. McNamee and F. Stenger, Numer. Math. 10, 327 (1967)).
     """
     unit = np.eye(3)
     pairs = [unit[i] + sign * unit[j] for i in range(3) for j in range(i) for sign in (1, -1)]
@@ -64,7 +64,7 @@ def mean_spring(problem: Problem, place: Equilibrium) -> MeanSpring | None:
         if np.linalg.norm(points, axis=1).max() > problem.light.search.reach:
             return None
         force = problem.net_force_apart(points)
-        # the mean of dF/dx is the mean of F times the deviation, divided by the covariance
+        # the mean of dF/dx is the mean product of force and deviation, divided by the covariance
         found = -np.linalg.solve(spread.T, (_POINTS * _WEIGHTS[:, None]).T @ force)
         found = (found + found.T) / 2
         position = position + np.linalg.solve(stiffness, _WEIGHTS @ force)

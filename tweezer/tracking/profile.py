@@ -2,8 +2,8 @@
 coordinate.
 
 The misfit is smooth except for jumps from the steps of an integration. It may have many minima, and
-be infinite (impossible) in places. So a scan of many trials comes first; then Newton's method finds
-the minima, starting at each place of the scan and from the minima of its neighbours.
+may be infinite (impossible). Therefore a scan of many trials comes first. Newton's method then
+finds the minima, starting at each place of the scan and from the minima of its neighbours.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from tweezer.values.errors import IntegrationError
 
 Misfit = Callable[[Array], float]
 
-#: Misfit above the smallest in a 95 % interval: chi-square with one degree of freedom
+#: Misfit above the smallest at the ends of a 95 % interval: chi-square, one degree of freedom
 LEVEL = 3.841458820694124
 #: Number of places in the scan
 _PLACES = 81
@@ -29,7 +29,7 @@ _PLACES = 81
 _DISTANT = 120.0
 #: Misfit above the smallest beyond which a place is not refined
 _HOPELESS = 30.0
-#: Largest jump of misfit between neighbours near the smallest; beyond it a place is inserted
+#: Largest jump of the misfit between neighbours near the smallest; at larger ones a place is added
 JUMP = 2 * LEVEL
 #: Largest number of bisections of a step of the scan at a jump
 _HALVINGS = 5
@@ -41,12 +41,12 @@ _STEPS = 12
 _GAIN = 0.02
 #: Misfit that is negligible compared with `LEVEL`
 _NOTHING = 0.1
-#: Largest number of sweeps to and fro
+#: Largest number of sweeps in both directions
 _SCANS = 4
 
 
 class Likelihood(Protocol):
-    """Problem of a profile: misfit over a coordinate z, m, and n other parameters p (n,).
+    """Misfit for a profile, over a coordinate z, m, and n other parameters p (n,).
 
     The parameters are in units in which the misfit is smooth, for example logarithms.
     """
@@ -61,16 +61,17 @@ class Likelihood(Protocol):
 
     @property
     def steps(self) -> Array:
-        """Steps over which the misfit is nearly a parabola, in z/unit and p, (n + 1,)."""
+        """Steps over which the misfit is approximately a parabola, in z/unit and p, (n + 1,)."""
 
     @property
     def trials(self) -> Array:
         """Trial values of p, (trials, n), the most probable first."""
 
     def misfit(self, z: float, p: Array, most: float = math.inf) -> float:
-        """Return -2 log(likelihood); infinite where impossible.
+        """Return -2 log(likelihood); infinite if impossible.
 
-        Above `most` it may be any number between `most` and the misfit, so that it can stop early.
+        If the misfit exceeds `most`, any number between the two may be returned, so that the
+        computation can stop early.
         """
 
 
@@ -78,9 +79,9 @@ class Fit(NamedTuple):
     """Minimum of a misfit over n parameters."""
 
     value: float
-    """misfit there, -2 log(likelihood)"""
+    """smallest misfit, -2 log(likelihood)"""
     at: Array
-    """(n,) parameters there"""
+    """(n,) parameters at the minimum"""
     curvature: Array
     """(n, n) second derivatives of the misfit; NaN if they were not computed"""
     converged: bool
@@ -90,13 +91,14 @@ class Fit(NamedTuple):
 def descend(misfit: Misfit, begin: Array, bounds: Array, steps: Array) -> Fit:
     """Return the minimum that Newton's method reaches from `begin` (n,), within `bounds` (n, 2).
 
-    `misfit` is a function of n parameters, and `steps` (n,) are the lengths over which it is nearly
-    a parabola.
+    `misfit` is a function of n parameters, and `steps` (n,) are lengths over which it is
+    approximately a parabola.
 
-    Derivatives are central differences over lengths in which the misfit rises by about 1. Each
-    eigenvalue of the curvature enters by its absolute value, so that the step descends (J. Nocedal
-    and S. J. Wright, Numerical Optimization, 2006, 3.4). A step is limited to ten of `steps`, and
-    halved until the misfit falls. A parameter at its bound stays there if the misfit falls beyond.
+    Derivatives are central differences over lengths in which the misfit rises by about 1. The
+    absolute values of the curvature's eigenvalues are used, so the step descends (J. Nocedal and
+    S. J. Wright, Numerical Optimization, 2006, 3.4). A step is limited to ten of `steps`, and
+    halved until the misfit decreases. A parameter at its bound is fixed if the misfit decreases
+    beyond the bound.
     """
     at, value, longest = begin, misfit(begin), 10 * steps
     curvature = np.full((len(at), len(at)), np.nan)
@@ -145,9 +147,9 @@ def _derivatives(misfit: Misfit, at: Array, value: float, steps: Array) -> tuple
 def _newton_step(at: Array, slope: Array, curvature: Array, bounds: Array, longest: Array) -> Array:
     """Return a step (n,) of Newton's method from `at` (n,) that descends and stays in `bounds`.
 
-    `slope` (n,) and `curvature` (n, n) are derivatives of the misfit, `bounds` (n, 2) the ends of
+    `slope` (n,) and `curvature` (n, n) are derivatives of the misfit, `bounds` (n, 2) the ranges of
     the parameters and `longest` (n,) the largest steps. Parameters at a bound beyond which the
-    misfit falls are kept. Eigenvalues enter by their absolute value, in units of `longest`.
+    misfit decreases are fixed. Absolute eigenvalues are used, in units of `longest`.
     """
     low, high = bounds.T
     free = ~(((at <= low) & (slope > 0)) | ((at >= high) & (slope < 0)))
@@ -174,9 +176,9 @@ class Profile:
         search: tuple[float, float],
         progress: Callable[[float], None] | None,
     ) -> None:
-        """Scan the range `search` of z, m; omit places where the motion cannot be followed.
+        """Scan the range `search` of z, m, omitting places where the motion cannot be computed.
 
-        `progress`, if given, is called with the fraction done.
+        `progress`, if given, is called with the completed fraction.
         """
         self._likelihood = likelihood
         self.places = np.linspace(*search, _PLACES)
@@ -205,7 +207,7 @@ class Profile:
             progress(0.5 * done / len(trials))
 
     def _fitted(self, z: float, begin: Array) -> Fit:
-        """Return the minimum over p at a fixed z, m, that is reached from `begin` (n,)."""
+        """Return the minimum over p that is reached from `begin` (n,), at a fixed z, m."""
         known = self._likelihood
         return descend(lambda p: known.misfit(z, p), begin, known.bounds, known.steps[1:])
 
@@ -213,7 +215,7 @@ class Profile:
         """Find the minimum at each place from its best trial, then from its neighbours' minima.
 
         Sweeps in both directions are repeated until no place improves by more than `_NOTHING`. The
-        result is never above the minimum reached from the left or the right neighbour.
+        result never exceeds the minimum reached from the left or right neighbour.
         """
         new = np.zeros(_PLACES, dtype=bool)
         for i in np.argsort(self.values):
@@ -243,17 +245,17 @@ class Profile:
             self.converged[i] = found.converged
 
     def _sought(self, z: float) -> Fit:
-        """Return the better of the fits at z, m, that begin at the p of the places beside it."""
+        """Return the better of the fits at z, m, that begin at the p of the adjacent places."""
         right = int(np.clip(np.searchsorted(self.places, z), 1, len(self.places) - 1))
         sides = [self._fitted(z, self.nuisances[i]) for i in (right - 1, right)]
         return min(sides, key=lambda fit: fit.value)
 
     def above(self, z: float) -> float:
-        """Return the misfit at z, m, less the smallest of all places; adds no place."""
+        """Return the misfit at z, m, minus the smallest of all places, without adding a place."""
         return self._sought(z).value - float(self.values.min())
 
     def _add(self, z: float, found: Fit) -> None:
-        """Insert a place at z, m, with the fit found there, or improve the place that is there."""
+        """Insert a place at z, m, with its fit, or improve the existing place there."""
         i = int(np.searchsorted(self.places, z))
         if i < len(self.places) and self.places[i] == z:
             self._take(i, found)
@@ -265,7 +267,7 @@ class Profile:
 
     @property
     def lowest(self) -> NDArray[np.intp]:
-        """Numbers of the places with minima near the smallest; ends of the search count."""
+        """Numbers of the places with minima close to the smallest, including ends of the search."""
         around = np.concatenate([[np.inf], self.values, [np.inf]])
         below = (self.values <= around[:-2]) & (self.values < around[2:])
         return np.flatnonzero(below & (self.values < self.values.min() + _HOPELESS))
@@ -291,8 +293,9 @@ class Profile:
     def spread(self) -> Array:
         """Standard uncertainties of p, (n,): root mean square deviations from the best fit.
 
-        Each z has the probability of its misfit. The spread of p about the best fit at z is by the
-        curvature at the overall best fit; NaN if that is not positive definite.
+        Each z has the probability that its misfit implies. The spread of p around the best fit at
+        each z follows from the curvature at the overall best fit. It is NaN if that is not positive
+        definite.
         """
         i = int(self.values.argmin())
         curvature = self._fitted(self.places[i], self.nuisances[i]).curvature
@@ -303,7 +306,7 @@ class Profile:
         return np.sqrt(squared + directions**2 @ inverse)
 
     def refine(self) -> None:
-        """Add places where the misfit jumps near the least, the widest gap first."""
+        """Add places where the misfit jumps close to its minimum, in the widest gap first."""
         finest = float(np.diff(self.places).max()) / 2**_HALVINGS
         for _ in range(_MORE):
             gaps = np.diff(self.places) * self.jumps(JUMP)
@@ -314,13 +317,13 @@ class Profile:
             self._add(z, self._sought(z))
 
     def jumps(self, near: float) -> NDArray[np.bool_]:
-        """Mask (places - 1,) of jumps between neighbours of which one is within `near`."""
+        """Return which neighbours have a jump and a misfit within `near`, (places - 1,)."""
         lower = np.minimum(self.values[1:], self.values[:-1]) - self.values.min()
         return (np.abs(np.diff(self.values)) > JUMP) & (lower <= near)
 
 
 def below(profile: Profile) -> list[tuple[float, float]]:
-    """Return the intervals of z, m, in which the misfit exceeds its smallest by at most `LEVEL`."""
+    """Return the intervals of z, m, in which the misfit exceeds its minimum by at most `LEVEL`."""
     at, values = profile.places, profile.values - profile.values.min()
     inside = values <= LEVEL
     tolerance = 2e-5 * (at[-1] - at[0])

@@ -12,17 +12,18 @@ _LAGS = 10
 
 
 def p_value(path: Filtered, *, sized: bool, fitted: int) -> float:
-    """Return the probability of residuals that deviate as much or more from white noise.
+    """Return the probability that white noise deviates at least as much as the residuals do.
 
-    The test uses their correlations (G. M. Ljung and G. E. P. Box, Biometrika 65, 297 (1978)). It
-    also uses the sum of their squares if `sized`, which is a chi-square for residuals of size 1.
-    Its degrees of freedom are the number of residuals less the number of `fitted` quantities.
+    The test uses the correlations of the residuals (G. M. Ljung and G. E. P. Box, Biometrika 65,
+    297 (1978)). If `sized`, it also uses the sum of their squares, which has a chi-square
+    distribution for residuals of variance 1. The degrees of freedom are the number of residuals
+    minus the number of `fitted` quantities.
     """
     trusted = np.where(path.weights > 0.5, path.residuals, np.nan)
     statistic, lags = 0.0, 0
     for residuals in trusted.T:
         seen = residuals[np.isfinite(residuals)]
-        if not seen.any():  # no correlation with a coordinate that is exactly what was predicted
+        if not seen.any():  # a coordinate predicted exactly has no correlation
             continue
         for lag in range(1, min(_LAGS, len(seen) // 5) + 1):
             products = residuals[lag:] * residuals[:-lag]

@@ -29,20 +29,20 @@ from tweezer.values.arrays import Array
 from tweezer.values.errors import PhysicsWarning, ResultError, SceneError, UnitWarning
 from tweezer.values.units import RefractiveIndex, quantity_of
 
-#: Largest factor between a value that is tried and the scene's, or largest distance in radii
+#: Largest ratio between a tried value and the scene's, or largest distance in radii
 _REACH = 5.0
-#: Difference of a place for slopes, in a logarithm or in radii
+#: Change of a place for computing derivatives, in a logarithm or in radii
 _DIFFERENCE = 1e-3
-#: Relative gain of the misfit, which is about 1000, and step of the place, at which a search ends
+#: Relative gain of the misfit (which is about 1000) and step of the place at which a search ends
 _GAIN, _SHORT = 1e-5, 1e-4
-#: Deviance where there is no trap
+#: Deviance assigned where there is no trap
 _HOPELESS = 1e4
-#: Number of places about the guesses that are tried, how far off they are, and number of the best
-#: that minima are sought from; distance of two minima
+#: Number of places around the initial values that are tried, their largest distance, number of best
+#: places from which minima are sought, and distance below which two minima are the same
 _TRIALS, _ABOUT, _DESCENTS, _SAME = 16, 0.5, 8, 0.02
-#: Number of places whose scenes are kept bound
+#: Number of places whose bound scenes are cached
 _REMEMBERED = 16
-#: Keys that the motion of a bead at rest in the trap depends on
+#: Pattern of the keys that affect a bead at rest in the trap
 _FITTED = re.compile(
     r"(bead|medium|lens|beam(\[\d+\])?|wall|forces)\..+|camera\.(exposure|noise|noise_along)"
 )
@@ -54,18 +54,18 @@ _AXES = ("x", "y", "z")
 
 
 class FreeKey:
-    """Free key of a scene, and its place q on a line, the coordinate in which it is fitted.
+    """Free key of a scene, with its place q, the coordinate in which it is fitted.
 
-    q is 0 at the value in the scene. For a quantity that is never negative it is the logarithm of
-    the ratio to that value. For others it is the difference in units of `unit`: the radius of the
-    bead for a length, or the size of the value in the scene.
+    The place is 0 for the value in the scene. For a quantity that is never negative, q is the
+    logarithm of the ratio to that value. For others it is the difference in units of `unit`, which
+    is the radius of the bead for a length, otherwise the magnitude of the scene's value.
     """
 
     def __init__(self, scene: Scene, key: str) -> None:
         quantity, _ = described_at(key)
         value = value_at(scene, key)
         if quantity is None and key.endswith("refractive_index") and not isinstance(value, str):
-            quantity = quantity_of(RefractiveIndex)  # of a bead that does not absorb
+            quantity = quantity_of(RefractiveIndex)  # for a bead that does not absorb
         if quantity is None or isinstance(value, bool | str):
             raise SceneError(f"free = {key!r}: is not a quantity that can be fitted")
         if not _FITTED.fullmatch(key):
@@ -88,39 +88,39 @@ class FreeKey:
             self.unit = scene.body.size if quantity.unit == "m" else abs(self.given) or 1.0
 
     def value(self, q: float) -> float:
-        """Return the value at the place q, in SI."""
+        """Return the value of the key at the place q, in SI units."""
         if self.logarithmic:
             return self.given * math.exp(q)
         return float(self.given + self.unit * q)
 
     def place(self, value: float) -> float:
-        """Return the place q of a value in SI."""
+        """Return the place q of a value in SI units."""
         if self.logarithmic:
             return math.log(value / self.given)
         return (value - self.given) / self.unit
 
     @property
     def reach(self) -> float:
-        """Largest |q|, the distance of a place from the first guess."""
+        """Largest |q|, the distance of a place from the initial value."""
         return math.log(_REACH) if self.logarithmic else _REACH
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Lowest and highest place q that a scene allows, at most `reach` from the first guess."""
+        """Lowest and highest place q that a scene allows, within `reach` of the initial value."""
         reach = self.reach
         low, high = self.quantity.low, min(self.quantity.high, self._most)
         lowest = -math.inf if self.logarithmic and low <= 0 else self.place(low)
         return max(lowest, -reach), min(self.place(high), reach)
 
     def change(self, step: float) -> str:
-        """Return words for the change of the key by a step of its place."""
+        """Return text on the change of the key that corresponds to a step of its place."""
         if self.logarithmic:
             part = math.expm1(step)
             return f"{100 * abs(part):.2g} % {'more' if part > 0 else 'less'} {self.key}"
         return f"{self.key} {'+' if step > 0 else '-'} {abs(self.unit * step):.2g}"
 
     def setting(self, q: float) -> str:
-        """Return the value at the place q with its unit, as `with_settings` reads it."""
+        """Return the value at the place q with its unit, in the form for `with_settings`."""
         return f"{self.value(q)!r} {self.quantity.unit}".rstrip()
 
 
@@ -130,7 +130,7 @@ class Least(NamedTuple):
     at: Array
     """(n,) place q of each key (`FreeKey`)"""
     value: float
-    """-2 log(likelihood) there, less a constant of the recordings"""
+    """-2 log(likelihood) at the minimum, up to a constant for the recordings"""
     information: Array
     """(free, free) half the second derivatives of the misfit by the keys that were not fixed"""
     converged: bool
@@ -139,21 +139,22 @@ class Least(NamedTuple):
 
 @dataclass(frozen=True)
 class Bound:
-    """Scene that traps its bead, and the harmonically trapped beads that replace it."""
+    """Scene that traps its bead, and harmonically trapped beads that approximate it."""
 
     scene: Scene
     beads: dict[str, TrappedBead]
-    """bead by axis; stiffness and drag are means over the thermal motion"""
+    """bead for each axis, with stiffness and drag averaged over the thermal motion"""
     bending: float
-    """largest relative deviation of the trap from a harmonic one: the difference between the mean
-    stiffness and that at the equilibrium, or the gradient of the force that drives the bead round
-    the axis, both over the stiffness. Spectra are right to first order in it"""
+    """largest relative deviation of the trap from a harmonic one, in units of the stiffness. It is
+    the difference between the mean stiffness and the stiffness at the equilibrium, or the gradient
+    of the force that drives the bead around the axis. Spectra are correct to first order in it"""
 
 
 class Misfit:
     """Misfit, -2 log(likelihood), of recordings as a function of the places of the free keys.
 
-    A place q (n,) has one coordinate for each of the n free keys (`FreeKey`). It is 0 at the scene.
+    The argument q (n,) has the place of each of the n free keys (`FreeKey`). It is 0 for the scene
+    itself.
     """
 
     def __init__(
@@ -170,7 +171,7 @@ class Misfit:
                 raise SceneError(f"free = {key!r}: given more than once")
         self._scene, self.recordings = _with_camera(scene, recordings, free), recordings
         self._forces = forces
-        # a run has the inertia that it was made with, whatever the scene of the fit says
+        # a run keeps the inertia with which it was simulated, regardless of the fitted scene
         every = {Inertia.of(each.scene or scene) for each in recordings}
         if len(every) > 1:
             raise ResultError("recordings: have different inertia; fit them separately")
@@ -193,11 +194,11 @@ class Misfit:
         return with_settings(self._scene, settings)
 
     def bound(self, q: Array) -> Bound | str:
-        """Return the beads that the scene at a place traps, or why it traps none."""
+        """Return the beads that the scene at a place traps, or the reason why it traps none."""
         return self._bound(tuple(q.tolist()))
 
     def _bind(self, place: tuple[float, ...]) -> Bound | str:
-        """Return the trapped beads of the scene at a place, or why it has none, without the cache.
+        """Return the trapped beads of the scene at a place, or why there are none, uncached.
 
         The place is a tuple, because the cache of `bound` needs a hashable argument.
         """
@@ -237,7 +238,7 @@ class Misfit:
         """Return the deviances (blocks,) of all spectra, whose sum of squares is the misfit.
 
         A deviance is the signed square root of the contribution of a block of frequencies. Without
-        a trap they exceed all others.
+        a trap, all are set to a large number.
         """
         q = np.clip(q, *self.bounds.T)
         if isinstance(self.bound(q), str):
@@ -253,25 +254,25 @@ class Misfit:
         return [_exposed(bound.beads[each.axis], each) for each in self.spectra]
 
     def p_value(self, q: Array) -> float:
-        """Return the probability of spectra that deviate as much or more from those of a place."""
+        """Return the probability that spectra of the scene at a place deviate at least as much."""
         pairs = zip(self.spectra, self.beads(q), strict=True)
         every = [each.p_value(bead) for each, bead in pairs]
         return min(len(every) * min(every), 1.0)
 
     def curved(self, q: Array) -> float:
-        """Return the relative error of the stiffness, because the trap is not harmonic."""
+        """Return the relative error of the stiffness caused by anharmonicity of the trap."""
         bound = self.bound(q)
         assert not isinstance(bound, str)
         return bound.bending**2
 
     def minima(self, progress: Callable[[float], None]) -> list[Least]:
-        """Return the different minima that searches from several places reach, the lowest first.
+        """Return the distinct minima that searches from several places reach, the lowest first.
 
-        The searches begin at the best of `_TRIALS` places about the first guess.
+        The searches begin at the best of 16 places around the initial values.
         """
         n = len(self.keys)
         trials = _ABOUT * (2 * Sobol(n, scramble=False).random(_TRIALS) - 1)
-        places = [np.clip(trial, *self.bounds.T) for trial in trials]  # the guesses among them
+        places = [np.clip(trial, *self.bounds.T) for trial in trials]  # include the initial values
         places.sort(key=lambda q: float((self(q) ** 2).sum()))
         found: list[Least] = []
         for i, place in enumerate(places[:_DESCENTS]):
@@ -284,12 +285,12 @@ class Misfit:
     def least(self, begin: Array, fixed: int | None = None) -> Least:
         """Return the minimum that the Gauss-Newton method reaches from the place `begin` (n,).
 
-        `fixed` is the number of a key that keeps its place; None: all keys are free.
+        `fixed` is the number of a key that keeps its place, or None if all keys are free.
         """
         free = np.arange(len(begin)) != fixed
 
         def whole(values: Array) -> Array:
-            """Return the place of all keys for the places of the free ones."""
+            """Return the place of all keys, given the places of the free ones."""
             q = begin.copy()
             q[free] = values
             return q
@@ -321,7 +322,7 @@ class Misfit:
 def _height(scene: Scene, z: float) -> float | None:
     """Return the distance of the bead's centre at height z, m, from the nearest wall, in radii.
 
-    None if there is no wall, or the wall is too far to change the hydrodynamic memory.
+    Returns None without a wall, or if the wall is too far to change the hydrodynamic memory.
     """
     if scene.wall is None:
         return None
@@ -330,14 +331,15 @@ def _height(scene: Scene, z: float) -> float | None:
 
 
 def _exposed(bead: TrappedBead, spectrum: Whitened) -> TrappedBead:
-    """Return the bead with an exposure of at most the recording's step (times are rounded)."""
+    """Return the bead with its exposure limited to the sampling interval, as times are rounded."""
     return replace(bead, exposure=min(bead.exposure, spectrum.periodogram.step))
 
 
 def _with_camera(scene: Scene, recordings: Sequence[Recording], free: Sequence[str]) -> Scene:
-    """Return the scene, with the camera of the recordings if it has none of its own.
+    """Return the scene, with the camera of the recordings if it has none.
 
-    Raises `ResultError` if its camera differs from that of a recording in a key that is not `free`.
+    Raises `ResultError` if the scene's camera differs from that of a recording in a key that is not
+    `free`.
     """
     if scene.camera is None:
         first = recordings[0]

@@ -1,4 +1,4 @@
-"""Compiled elimination of the states of a Markov chain, without a single subtraction."""
+"""Compiled elimination of the states of a Markov chain, without any subtraction."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ _NUMBERS = types.float64[::1]
 def mean_times(rates: Any, lost: Any, spent: Any, times: Any) -> None:
     """Compute the mean time until a Markov chain of n states is lost, from each state.
 
-    `rates` (n, 2 w + 1), 1/s, has the rate from state i to i + k in [i, w + k], with w the largest
-    distance of states that are linked. `lost` (n,), 1/s, are the rates at which states are lost.
-    `spent` (n,) is 1, or 0 for a state that counts as lost from the outset. These three are
-    overwritten. `times` (n,), s, is filled in.
+    `rates` (n, 2 w + 1), 1/s, has the rate from state i to i + k in [i, w + k], where w is the
+    largest distance of connected states. `lost` (n,), 1/s, are the rates at which states are lost.
+    `spent` (n,) is 1, or 0 for a state that counts as lost from the beginning. These three are
+    overwritten. The times are written to `times` (n,), s.
 
     States are eliminated one by one, without subtractions (Grassmann, Taksar, Heyman, Oper. Res.
-    33, 1107 (1985)). As all terms are positive, every time has the accuracy of the rates, however
-    long it is.
+    33, 1107 (1985)). Because all terms are positive, every time has the relative accuracy of the
+    rates, however long it is.
     """
     n, width = rates.shape[0], (rates.shape[1] - 1) // 2
     for s in range(n):
         last = min(s + width, n - 1)
-        left = lost[s]  # total rate out of state s, to later states alone
+        left = lost[s]  # total rate out of state s, only to later states
         for j in range(s + 1, last + 1):
             left += rates[s, width + j - s]
         if left == 0.0:

@@ -1,7 +1,7 @@
-"""Mean time until thermal motion takes a bead out of a region, in a field round an axis.
+"""Mean time until thermal motion removes a bead from a region, in a field around an axis.
 
 The bead moves in a half plane with the coordinates rho, the distance from the axis, and z, the
-height on it.
+height along it.
 """
 
 from __future__ import annotations
@@ -16,36 +16,36 @@ from numpy.typing import NDArray
 
 from tweezer.values.arrays import Array
 
-#: Function from distances rho from the axis and heights z on it, (n,) m, to the force across and
-#: along the axis, (n,) N, and the mobility across and along it, (n,) s/kg
+#: Function of distances rho from the axis and heights z, (n,), m. It returns the forces across and
+#: along the axis, (n,), N, and the mobilities across and along it, (n,), s/kg
 Field = Callable[[Array, Array], tuple[Array, Array, Array, Array]]
-#: Part of a grid, by the numbers of its heights and of its distances from the axis
+#: Part of a grid, by index ranges of heights and distances from the axis
 Slices = tuple[slice, slice]
 
-#: Smallest fraction of the radius, or of an edge, that is distinguished from zero
+#: Fraction of the radius, or of an edge, below which a length counts as zero
 _SAME = 1e-6
-#: Growth of the distance of nodes per distance from the point where they are closest
+#: Increase of the node distance per distance from the point where nodes are closest
 _GROWTH = 0.08
-#: Factor of that growth where nodes are closer
+#: Factor of that increase for a finer grid
 _FINER = 0.6
 
 
 @dataclass(frozen=True)
 class Region:
-    """Ball about the origin, perhaps cut off by walls, that a bead leaves, and the nodes in it."""
+    """Ball around the origin, possibly cut off by walls, that a bead leaves, with its nodes."""
 
     radius: float
     """radius of the ball, m; a bead this far from the origin has left the region"""
     finest: float
-    """smallest distance of two nodes, m"""
+    """smallest distance between two nodes, m"""
     low: float = -math.inf
-    """height of the lower wall, m, which the bead does not pass"""
+    """height of the lower wall, m, which the bead does not cross"""
     high: float = math.inf
-    """height of the upper wall, m, which the bead does not pass"""
+    """height of the upper wall, m, which the bead does not cross"""
     centre: float = 0.0
-    """height on the axis about which nodes are closest, m"""
+    """height on the axis where nodes are closest, m"""
     growth: float = _GROWTH
-    """growth of the distance of nodes per distance from there, a number"""
+    """increase of the node distance per distance from there"""
 
     def finer(self, height: float) -> Region:
         """Return the region with nodes about half as far apart, closest at `height`, m."""
@@ -54,21 +54,22 @@ class Region:
         )
 
     def across(self) -> Array:
-        """Distances of the nodes from the axis, an odd number of them, m."""
+        """Return the distances of the nodes from the axis, an odd number of them, m."""
         return self._graded(self.radius)
 
     def has(self, across: Array, along: Array) -> NDArray[np.bool_]:
-        """Return which nodes are in the ball, (heights, distances).
+        """Return which nodes are inside the ball, (heights, distances).
 
         `across` are the distances of the nodes from the axis, and `along` their heights, m.
         """
         return np.hypot(along[:, None], across) < self.radius * (1 - _SAME)
 
     def share(self, across: Array, along: Array, begin: Slices, end: Slices) -> Array:
-        """Return the fraction of each edge that is inside the ball, for edges that leave it.
+        """Return the fraction of each edge inside the ball, for edges that leave it.
 
-        The edges lead from the nodes of the part `begin` of the grid to those of `end`, neighbours
-        along one coordinate. `across` are the distances from the axis and `along` the heights, m.
+        The edges lead from the nodes in the part `begin` of the grid to those in `end`, their
+        neighbours along one coordinate. `across` are the distances from the axis and `along` the
+        heights, m.
         """
         rho = np.broadcast_to(across, (len(along), len(across)))
         z = np.broadcast_to(along[:, None], rho.shape)
@@ -80,16 +81,16 @@ class Region:
         return np.clip((out - start) / (stop - start), _SAME, 1.0)
 
     def along(self) -> Array:
-        """Heights of the nodes, an odd number of them, m."""
+        """Return the heights of the nodes, an odd number of them, m."""
         nearest = min(max(self.centre, self.low), self.high)
         below = self._graded(nearest - max(-self.radius, self.low))
         above = self._graded(min(self.radius, self.high) - nearest)
         return nearest + np.concatenate([-below[:0:-1], above])
 
     def _graded(self, end: float) -> Array:
-        """Return coordinates from 0 to `end`, m, whose distances grow from `finest` with `growth`.
+        """Return coordinates from 0 to `end`, m, whose spacing grows from `finest` by `growth`.
 
-        Their number is odd, so that every other one of them spans the same range.
+        Their number is odd, so every other coordinate spans the same range.
         """
         if end <= 0:
             return np.zeros(1)
@@ -104,16 +105,16 @@ class Edges:
     """Work and mobility on the edges between neighbouring nodes along one coordinate."""
 
     work: Array
-    """work of the force on the way to the next node, in k_B T; (heights, distances) less one in the
+    """work of the force along each edge, in k_B T; (heights, distances), with one fewer in the
     coordinate of the edges"""
     mobility: Array
-    """mobility in the middle of each edge, s/kg, of the same shape"""
+    """mobility at the middle of each edge, s/kg, in the same shape"""
 
     def coarse(self, axis: int) -> Edges:
         """Return the edges between every other node; `axis` is the index of their coordinate.
 
-        0 is the height and 1 the distance from the axis. Works of two edges add up, and so do the
-        inverse mobilities.
+        The index is 0 for the height and 1 for the distance from the axis. The works of two edges
+        are added, and their inverse mobilities are averaged.
         """
         even, odd, kept = slice(None, None, 2), slice(1, None, 2), slice(None, None, 2)
         first, second = ((kept, even), (kept, odd)) if axis else ((even, kept), (odd, kept))
@@ -128,7 +129,7 @@ class Grid:
     across: Array
     """distances of the nodes from the axis, m"""
     along: Array
-    """their heights, m"""
+    """heights of the nodes, m"""
     to_side: Edges
     """edges to the next distance from the axis, (heights, distances - 1)"""
     upwards: Edges
@@ -136,7 +137,7 @@ class Grid:
 
     @classmethod
     def of(cls, region: Region, field: Field, energy: float) -> Grid:
-        """Return the grid of a region, with the work in a field over `energy` = k_B T, J."""
+        """Return the grid of a region, with the work in a field relative to `energy` = k_B T, J."""
         across, along = region.across(), region.along()
         inside = _with_neighbours(region.has(across, along))
         z, rho = np.meshgrid(along, (across[1:] + across[:-1]) / 2, indexing="ij")
@@ -157,9 +158,9 @@ class Grid:
 
 
 def _with_neighbours(nodes: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return a mask of nodes (heights, distances) extended by their neighbours.
+    """Return the nodes (heights, distances) of a mask and their neighbours.
 
-    `Grid.coarse` needs the field at the neighbours too.
+    The neighbours are included because `Grid.coarse` needs the field there too.
     """
     padded = np.pad(nodes, 1)
     return nodes | padded[2:, 1:-1] | padded[:-2, 1:-1] | padded[1:-1, 2:] | padded[1:-1, :-2]
@@ -168,7 +169,8 @@ def _with_neighbours(nodes: NDArray[np.bool_]) -> NDArray[np.bool_]:
 def _at(field: Field, rho: Array, z: Array, wanted: NDArray[np.bool_]) -> list[Array]:
     """Return the four arrays of a field at the points (`rho`, `z`), m, that are `wanted`.
 
-    All arrays have the same two-dimensional shape. Elsewhere the field is not computed, and 1.
+    All arrays have the same two-dimensional shape. At other points the field is not computed, and
+    the values are 1.
     """
     found = []
     for each in field(rho[wanted], z[wanted]):
@@ -179,11 +181,12 @@ def _at(field: Field, rho: Array, z: Array, wanted: NDArray[np.bool_]) -> list[A
 
 
 def _works(nodes: Array, force: Array, wanted: NDArray[np.bool_]) -> Array:
-    """Return the work over each edge between nodes, (edges, lines) J, from the force in its middle.
+    """Return the work over each edge between nodes (edges, lines), J, from the force at its middle.
 
     `nodes` (edges + 1,), m, are the coordinates along the edges, and `force` (edges, lines), N, is
-    along them. The second derivative of the force follows from the neighbouring edges where those
-    are `wanted`. Without it the works of long edges are wrong by tenths of k_B T.
+    the component along them. A correction uses the second derivative of the force, from
+    neighbouring edges that are `wanted`. Without it the work of long edges is wrong by tenths of
+    k_B T.
     """
     edge, middle = np.diff(nodes)[:, None], (nodes[1:] + nodes[:-1]) / 2
     curvature = np.zeros_like(force)
@@ -225,11 +228,11 @@ def mean_time(grid: Grid, region: Region, start: tuple[float, float], energy: fl
     every, first, last = slice(None), slice(None, -1), slice(1, None)
 
     def link(begin: Slices, end: Slices, step: int, edge: Array, work: Array, unit: Array) -> None:
-        """Fill in the rates, 1/s, from the nodes of `begin` to their neighbours in `end`.
+        """Store the rates, 1/s, from the nodes in `begin` to their neighbours in `end`.
 
         `step` is the difference of the numbers of these nodes, `edge` their distance, m, and `work`
-        the work between them, k_B T. `unit`, m/s, times a Bernoulli function over the edge is a
-        rate. If only the first node is in the ball, the rate is one of leaving it.
+        the work between them, k_B T. A rate is `unit`, m/s, times a Bernoulli function, divided by
+        the edge. If only the first node is in the ball, the rate is that of leaving the ball.
         """
         here, there = inside[begin], inside[end]
         rates[(*begin, width + step)] = np.where(here & there, unit / edge * _bernoulli(-work), 0.0)
@@ -238,7 +241,7 @@ def mean_time(grid: Grid, region: Region, start: tuple[float, float], energy: fl
         lost[begin] += np.where(here & ~there, leaving, 0.0)
 
     middle = (across[1:] + across[:-1]) / 2
-    # a node is a ring of area 2 pi `areas` with an edge of length 2 pi `middle`: 2 pi cancels
+    # a node is a ring of area 2 pi `areas` with an edge of length 2 pi `middle`; 2 pi cancels
     areas = np.diff(np.concatenate([[0.0], middle, across[-1:]]) ** 2) / 2
     edge, side = np.diff(across), grid.to_side
     unit = energy * side.mobility * middle

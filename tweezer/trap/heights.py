@@ -118,7 +118,7 @@ def at_height(scene: SceneLike, height: float) -> Scene:
         changes["lens"] = {"cover": {"depth": height}}
         if scene.optics.evaluator == "map":
             changes["optics"] = {"evaluator": "quadrature"}
-    # distance of the start from the focus, away from the wall, so that the bead begins in the fluid
+    # distance of the release position from the focus, away from the wall, so that the bead is free
     room = max(0.0, 2 * scene.body.size - height)
     changes["start"] = {
         "frame": "focus", "position": (0.0, 0.0, normal * room), "drawn": "no", "ball_radius": None,
@@ -133,9 +133,10 @@ def _said_once() -> contextlib.AbstractContextManager[object]:
 
 
 def _trapped(problem: Problem) -> tuple[str, dict[str, Any]]:
-    """Return the state of the bead at one height, and its variables there by name, in SI.
+    """Return the state of the bead at one height, and its variables by name, in SI units.
 
-    The state is one of the texts of `trap_over_heights`; there are no variables unless it is held.
+    The state is one of the texts listed in `trap_over_heights`. There are no variables unless the
+    bead is held.
     """
     place = nearest_stable(problem.equilibria(problem.net_force_apart))
     if place is None:
@@ -162,12 +163,12 @@ def _dataset(
 ) -> xr.Dataset:
     """Return the dataset of `trap_over_heights` from the results at each height.
 
-    `heights` (n,), m, `states` and `rows`, the variables by name, have one entry for each height.
+    `heights` (n,), m, `states` and `rows` (the variables by name) have one entry for each height.
     """
     import xarray as xr
 
     def column(name: str, like: Any) -> Array:
-        """Return a variable at all heights, with `like`, NaN or a vector, where it is missing."""
+        """Return a variable at all heights, with `like`, NaN or a vector of NaN, where missing."""
         return np.array([row.get(name, like) for row in rows]).reshape(-1, *np.shape(like))
 
     vector = {

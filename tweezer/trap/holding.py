@@ -23,31 +23,31 @@ from tweezer.values.shown import Card, Row, Shown
 
 #: Longest time that is distinguished from an infinite one, s
 LONGEST = 1e20
-#: Work on every straight way out, k_B T, from which on no time is computed: it is longer than that
+#: Work on every straight way out, k_B T, above which the time is not computed, as it exceeds that
 DEEP = 300.0
-#: Number of places on a straight way out
+#: Number of positions on a straight way out
 _WAY = 400
-#: Distance of the nodes at the focus, in radii and in distances of samples
+#: Distance of the nodes at the focus, in radii, plus a part in sampling distances of the force
 _FINE_RADII, _FINE_SAMPLES = 0.05, 0.5
 #: Smallest gap of the bead from a wall, in radii
 _BESIDE_WALL = 1e-3
-#: Part of the correction by the coarser grid that is taken as its error
+#: Fraction of the correction from the coarser grid that is taken as its error
 _OF_CORRECTION = 0.5
-#: Error of the logarithm from which on nodes are closer
+#: Error of the logarithm of the time above which closer nodes are used
 _ENOUGH = 0.05
-#: Largest sqrt(k m)/drag at which escape is a diffusion. The error of the time includes its square,
-#: which is about the deviation of the overdamped rate from Kramers's rate at any friction
-#: (H. A. Kramers, Physica 7, 284 (1940))
+#: Largest sqrt(k m)/drag at which escape is treated as diffusion. The error of the time includes
+#: its square, which is about the deviation of the overdamped rate from Kramers's rate at any
+#: friction (H. A. Kramers, Physica 7, 284 (1940)).
 _LITTLE_DRAG = 0.3
-#: Distance of nodes without light, in radii of the region
+#: Distance of nodes without light, over the radius of the region
 _FINE_DARK = 0.02
-#: Lifetime over the time without light up to which the light adds nothing
+#: Largest ratio of the lifetime to the time without light at which the light has no effect
 _NOTHING = 1.1
 #: Thermal conductivity of water, W/m/K
 _WATER = 0.6
-#: Smallest warming of the bead's surface that is reported, K
+#: Smallest temperature rise of the bead's surface that is reported, K
 _WARM = 0.1
-#: Units of time and their length, s
+#: Units of time with their lengths, s
 _UNITS = (
     (365.25 * 86400.0, "years"), (86400.0, "days"), (3600.0, "h"), (60.0, "min"), (1.0, "s"),
     (1e-3, "ms"), (0.0, "us"),
@@ -103,10 +103,11 @@ def lifetime(
     reach: float,
     force_error: float,
 ) -> Lifetime | None:
-    """Return the lifetime of a trap, as `Trap.lifetime` describes; None if it has none.
+    """Return the lifetime of a trap, as `Trap.lifetime` describes it; None if it has none.
 
-    `held` is the equilibrium or ring that holds the bead, `escapes` its straight ways out, `reach`,
-    m, the distance to which the trap was searched, and `force_error`, N, the error of the force.
+    `held` is the equilibrium or ring that holds the bead, and `escapes` are its straight ways out.
+    `reach`, m, is the distance to which the trap was searched, and `force_error`, N, the error of
+    the force.
     """
     if held is None:
         return None
@@ -135,8 +136,9 @@ def lifetime(
 def time_without_light(scene: Scene, held: Equilibrium | Ring, reach: float) -> Lifetime:
     """Return the mean time until the bead is lost from the position of its trap without light.
 
-    Thermal motion and the weight take it to the same distance from the focus, `reach`, m, or less,
-    between the same walls. `held` is the equilibrium or ring at which it begins.
+    Thermal motion and weight take it to the same distance from the focus, `reach`, m, or to the
+    loss distance if that is smaller, between the same walls. It begins at the equilibrium or ring
+    `held`.
     """
     problem = bound_once(scene)
     radius = min(reach, scene.simulation.loss_distance)
@@ -150,7 +152,7 @@ def time_without_light(scene: Scene, held: Equilibrium | Ring, reach: float) -> 
 
 
 def adds_nothing(held: Lifetime, without_light: Lifetime | None) -> str:
-    """Return the remark that light does not prolong the stay of the bead; empty if it does."""
+    """Return a remark if light does not prolong the stay of the bead; otherwise ""."""
     if without_light is None:
         return ""
     if held.time - held.error <= _NOTHING * (without_light.time + without_light.error):
@@ -161,18 +163,17 @@ def adds_nothing(held: Lifetime, without_light: Lifetime | None) -> str:
 def doubt(
     scene: Scene, held: Equilibrium | Ring | None, reach: float, absorbed_power: float | None
 ) -> str | None:
-    """Return the effects that the lifetime neglects, or the reason for its absence.
+    """Return the effects that the lifetime neglects, or the reason why there is no lifetime.
 
-    Returns None if the lifetime exists and neglects nothing.
-
-    `held` is the equilibrium or ring that holds the bead, `reach`, m, the distance to which the
-    trap was searched, and `absorbed_power`, W, the power that the bead absorbs.
+    Returns None if the lifetime exists and neglects nothing. `held` is the equilibrium or ring that
+    holds the bead, `reach`, m, the distance to which the trap was searched, and `absorbed_power`,
+    W, the power that the bead absorbs.
     """
     if held is None:
         return None
     if why := _not_computed(bound_once(scene), held, reach):
         return f"not computed {why}"
-    # temperature rise of a sphere's surface, by the conduction of heat through water
+    # temperature rise of a sphere's surface, by heat conduction through water
     warmer = (absorbed_power or 0.0) / (4 * math.pi * _WATER * scene.bead.radius)
     if warmer < _WARM:
         return None
@@ -188,7 +189,7 @@ def _start(held: Equilibrium | Ring) -> tuple[float, float]:
 
 
 def _quality(problem: Problem, held: Equilibrium | Ring) -> float:
-    """Return the quality factor sqrt(k m)/beta of the stiffest direction, a number.
+    """Return the quality factor sqrt(k m)/beta of the stiffest direction.
 
     k is the stiffness, m the mass and beta the drag. Inertia is negligible far below 1.
     """
@@ -198,7 +199,7 @@ def _quality(problem: Problem, held: Equilibrium | Ring) -> float:
 
 
 def _not_computed(problem: Problem, held: Equilibrium | Ring, reach: float) -> str:
-    """Return the reason why the lifetime of a trap is not computed; empty if it is.
+    """Return the reason why the lifetime of a trap is not computed; "" if it is.
 
     `held` is the equilibrium or ring that holds the bead, and `reach`, m, the distance to which the
     trap was searched.
@@ -224,7 +225,7 @@ def _not_computed(problem: Problem, held: Equilibrium | Ring, reach: float) -> s
 
 
 def _region(problem: Problem, radius: float) -> Region:
-    """Return the region within `radius`, m, of the focus, and between the walls of the scene."""
+    """Return the region within `radius`, m, of the focus and between the walls of the scene."""
     scene = problem.scene
     finest = _FINE_RADII * scene.body.size + _FINE_SAMPLES * problem.light.search.spacing
     low, high = -math.inf, math.inf
@@ -237,14 +238,14 @@ def _region(problem: Problem, radius: float) -> Region:
 def _field(problem: Problem, start: tuple[float, float], side: int, *, dark: bool = False) -> Field:
     """Return the field of force and mobility in the half plane along x (`side` 0) or y (1).
 
-    Without a wall the mobility is that at the height of `start` (rho, z), m. `dark` leaves out the
-    force of the light.
+    Without a wall the mobility is uniform, computed at the height of `start` (rho, z), m. If
+    `dark`, the force of the light is omitted.
     """
     weight = problem.bead.weight[2]
     free = problem.mobilities(np.array([[0.0, 0.0, start[1]]]))[0]
 
     def field(rho: Array, z: Array) -> tuple[Array, Array, Array, Array]:
-        """Return forces, N, and mobilities, s/kg, across and along the axis (`Field`)."""
+        """Return forces, N, and mobilities, s/kg, across and along the axis (see `Field`)."""
         places = np.zeros((len(rho), 3))
         places[:, side], places[:, 2] = rho, z
         force = np.zeros_like(places) if dark else sampled(problem.scene, places)[0]
@@ -280,7 +281,7 @@ def _least_work(region: Region, field: Field, start: tuple[float, float]) -> flo
         inwards = np.linspace(rho, 0.0, _WAY)
         ways.append((inwards, field(inwards, still + height)[0]))
     return min(
-        # the work against the force is largest at the barrier, where its sum is smallest
+        # the work against the force is largest at the barrier, where its integral is smallest
         -float(np.cumsum((force[1:] + force[:-1]) / 2 * np.diff(x)).min())
         for x, force in ways
     )
@@ -291,8 +292,8 @@ def _log_time(
 ) -> tuple[float, float]:
     """Return the logarithm of the mean time in s from `start` (rho, z), m, and its error.
 
-    `energy` is k_B T, J. If the error is large, closer nodes are used: a heavy bead may be held far
-    from the focus, or in a narrow place.
+    `energy` is k_B T, J. If the error is large, closer nodes are used, because a heavy bead may be
+    held far from the focus, or in a narrow region.
     """
     log, error = _extrapolated(region, field, start, energy)
     if error > _ENOUGH:
@@ -303,10 +304,10 @@ def _log_time(
 def _extrapolated(
     region: Region, field: Field, start: tuple[float, float], energy: float
 ) -> tuple[float, float]:
-    """Return the logarithm of the mean time in s, extrapolated to a grid of closest nodes.
+    """Return the logarithm of the mean time in s, extrapolated to infinitely close nodes.
 
-    It follows from the time on the nodes of the region and on every other one of them, whose errors
-    differ by a factor of 4. Returns the error too; `start` is (rho, z), m, and `energy` k_B T, J.
+    It follows from the times on the nodes of the region and on every other node, whose errors
+    differ by a factor of 4. Also returns the error. `start` is (rho, z), m, and `energy` k_B T, J.
     """
     grid = Grid.of(region, field, energy)
     fine = mean_time(grid, region, start, energy)

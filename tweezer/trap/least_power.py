@@ -16,13 +16,13 @@ from tweezer.values.rounding import with_uncertainty
 from tweezer.values.shown import Card, Row, Shown
 from tweezer.values.units import QuantityLike
 
-#: Powers between which the least one is sought, W
+#: Range of powers in which the minimum is sought, W
 _LEAST, _MOST = 1e-9, 100.0
-#: Power at which the search begins, W, and the factor by which it goes on, as a logarithm
+#: Initial power of the search, W, and the logarithm of the factor between tried powers
 _FIRST, _STRIDE = 1e-3, math.log(3.0)
-#: Relative tolerance of the least power, and half the step of the slope there
+#: Relative tolerance of the minimum power, and half the step for the derivative there
 _POWER, _SLOPE = 1e-4, 1e-2
-#: Shortest time that a bead is asked to be held, s
+#: Shortest lifetime that may be required, s
 _SHORTEST = 1e-6
 
 
@@ -92,7 +92,7 @@ def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | No
         return characterise(scene.of_power(power))
 
     def above(log_power: float) -> float:
-        """Return ln(lifetime/wanted) at a power, given as the logarithm of its value in W."""
+        """Return ln(lifetime/required lifetime) at a power, given as the logarithm of watts."""
         found = at(math.exp(log_power)).lifetime
         if found is None or found.time == 0.0:
             return -DEEP
@@ -117,7 +117,7 @@ def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | No
     assert found is not None
     relative = 2 * _POWER
     before = above(root - _SLOPE)
-    no_trap_below = before == -DEEP  # the light does not carry a heavy bead there
+    no_trap_below = before == -DEEP  # at that power the light does not carry a heavy bead
     if not no_trap_below:
         slope = (above(root + _SLOPE) - before) / (2 * _SLOPE)
         relative += math.log1p(found.error / found.time) / slope

@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 #: Outcomes of a bead in a trap
 HELD, RESTS, LOST = "held", "rests on the wall", "not held"
 ON_RING = "held on a ring"
-#: Word of a trap out of which the easiest straight way takes less than `STABLE`
+#: Word for a trap that the bead can leave by less than `STABLE` along the easiest straight way
 SHALLOW = "shallow"
 #: Energy in k_B T above which a trap is usually called stable (A. Ashkin et al., Opt. Lett. 11,
 #: 288 (1986))
 STABLE = 10.0
 
-#: Distance over which the force of rays is taken to change, in radii
+#: Distance over which the force of ray optics may change, in radii
 _RAYS = 0.02
 
 EQUILIBRIUM = Quantity(
@@ -49,11 +49,11 @@ QUANTITIES = (
 
 
 def gradient_of_errors(scene: Scene) -> float:
-    """Return the largest gradient, 1/m, of a force error over the error itself.
+    """Return the largest gradient of a force error, over the error itself, 1/m.
 
-    A force of waves of the wavenumber k holds wavenumbers up to 2k, and so does its error: the
-    gradient is at most 2k times the largest value (S. Bernstein's inequality). Rays have no such
-    bound.
+    With wave optics of wavenumber k, the force and its error contain wavenumbers up to 2k. The
+    gradient is therefore at most 2k times the largest value (S. Bernstein's inequality). Ray optics
+    has no such bound.
     """
     if scene.theory == "waves":
         return 2 * largest_wavenumber(scene.medium, scene.beams)

@@ -1,4 +1,4 @@
-"""Traps as `tweezer trap --out` saves them, read and checked."""
+"""Reading and checking of traps saved by `tweezer trap --out`."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from tweezer.values.errors import ResultError
 from tweezer.values.saved import kind_of, read_json
 from tweezer.values.version import __version__
 
-#: Entries of the file that are no fields of `Trap`
+#: Entries of the file that are not fields of `Trap`
 _BESIDE = ("lifetime", "lifetime_caveat", "lifetime_without_light")
-#: Entries that a file of an older version lacks, with their defaults
+#: Entries that are missing in files of older versions, with their defaults
 _NEWER: dict[str, Any] = {
     "resonance_frequencies": None, "quality_factors": None, "rings": [], "searched": "",
 }  # fmt: skip
-#: Largest distance from the focus, m: no light holds a bead so far from it
+#: Largest plausible distance from the focus, m
 _FARTHEST = 1.0
 
 
@@ -45,20 +45,20 @@ def content_of(trap: Trap) -> dict[str, Any]:
 
 
 def result_in(saved: Any, path: Path) -> Trap:
-    """Return the trap in the content of a file, as `tweezer.load` does."""
+    """Return the trap in the content of a file, for `tweezer.load`."""
     return trap_in(saved, path)[0]
 
 
 def load_trap(path: Path) -> tuple[Trap, str]:
     """Return the trap in a file of `tweezer trap --out`, and the version that computed it.
 
-    Raises `ResultError` if the file contains no trap.
+    Raises `ResultError` if the file does not contain a trap.
     """
     return trap_in(read_json(path), path)
 
 
 def trap_in(saved: Any, path: Path) -> tuple[Trap, str]:
-    """Return the trap in the content of a file, and the version that computed it: `load_trap`."""
+    """Return the trap in the content of a file, and the version that computed it."""
     if (kind := kind_of(saved)) and kind.name != "trap":
         raise ResultError(f"{path}: no saved trap: is {kind.told}{kind.way(path.name)}")
     try:
@@ -90,7 +90,7 @@ def trap_in(saved: Any, path: Path) -> tuple[Trap, str]:
 
 
 def _known(of: type[Trap] | type[Escape], saved: dict[str, Any]) -> dict[str, Any]:
-    """Return the entries `saved` for a class, with NaN for null numbers, which JSON lacks."""
+    """Return the entries `saved` for a class, with NaN for numbers that JSON stores as null."""
     lost = [each.name for each in dataclasses.fields(of) if each.type == "float"]
     return saved | {name: math.nan for name in lost if saved[name] is None}
 
@@ -107,7 +107,7 @@ def _lifetime(saved: dict[str, Any]) -> Lifetime:
 
 
 def _misshapen(trap: Trap) -> Iterator[str]:
-    """Yield messages about vectors and matrices of a wrong shape."""
+    """Yield messages about vectors and matrices with a wrong shape."""
     every: list[tuple[str, Any, tuple[int, ...]]] = [
         (name, getattr(trap, name), (3,))
         for name in (
@@ -126,7 +126,7 @@ def _misshapen(trap: Trap) -> Iterator[str]:
 
 
 def _wrong(trap: Trap) -> Iterator[str]:
-    """Yield messages about contradictions in a saved trap, and about impossible lengths."""
+    """Yield messages about contradictions and implausible lengths in a saved trap."""
     place = trap.equilibrium
     if bool(trap.escapes) != (place is not None):
         yield "it has escapes without an equilibrium, or an equilibrium without escapes"

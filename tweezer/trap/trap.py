@@ -46,9 +46,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-#: Part of the stiffness below which one across the axes is not shown
+#: Fraction of the stiffness below which off-diagonal elements are not shown
 _NEGLIGIBLE = 1e-6
-#: Smallest number of places that are a line, whose forces are kept for other powers
+#: Smallest number of points that count as a line, whose forces are cached for other powers
 _LINE = 100
 
 
@@ -465,7 +465,7 @@ class Trap(Comparable, Result):
 
 
 def _where(place: Equilibrium) -> str:
-    """Return the position of an equilibrium in um as text; its z alone on the axis."""
+    """Return the position of an equilibrium in um as text; only its z if it is on the axis."""
     if not place.position[:2].any():
         return f"z = {micrometres(place.position[2])} um"
     return f"{', '.join(map(micrometres, place.position))} um"
@@ -539,7 +539,7 @@ def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Tra
     weight = np.array(problem.bead.weight)
 
     def net_force(points: Array) -> Array:
-        """Return the sum of all forces, (n, 3) N, at points (n, 3), m; keep the largest error."""
+        """Return the sum of all forces (n, 3), N, at points (n, 3), m; record the largest error."""
         nonlocal others_error
         of_walls = (each.field(points).force for each in problem.walls_apart)
         total, error = sum(of_walls, light_force(points) + weight), np.zeros(len(points))
@@ -615,11 +615,11 @@ def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Tra
 def _found(
     problem: Problem, net_force: NetForce
 ) -> tuple[tuple[Equilibrium, ...], tuple[Ring, ...], str]:
-    """Return the equilibria, the rings that hold the bead, and words for the range searched.
+    """Return the equilibria, the rings that hold the bead, and a description of the search range.
 
-    `net_force` returns the force, N, at points (n, 3), m. If no stable equilibrium is in the focus,
-    rings are searched, or in light without rotational symmetry positions off the axis: light that
-    holds a bead in the focus has its maximum on the axis.
+    `net_force` returns the force, N, at points (n, 3), m. If there is no stable equilibrium in the
+    focus, rings are searched, or positions off the axis in light without rotational symmetry. Light
+    that holds a bead in the focus has its maximum on the axis, so no search is needed then.
     """
     search = problem.search
     near = f"on the axis within {printed(search.reach, 'um')} of the focus"
@@ -662,7 +662,7 @@ def _off(held: Equilibrium | Ring) -> float:
 
 
 def pressed(problem: Problem) -> bool:
-    """Return whether the forces on a bead that touches a wall on the axis press it to the wall."""
+    """Return whether the forces press a bead that touches a wall on the axis against the wall."""
     scene = problem.scene
     for plane, normal in scene.wall.planes if scene.wall else ():
         touching = plane + normal * scene.body.support(normal)
@@ -674,9 +674,9 @@ def pressed(problem: Problem) -> bool:
 
 
 class _LightForce:
-    """Force, N, of a scene's light at points (n, 3), m; `error` is the largest error so far, N.
+    """Optical force at points (n, 3), m, with `error`, the largest error so far, N.
 
-    Many points are a line through the focus, whose forces `sampled` keeps for other powers.
+    Many points form a line through the focus, whose forces `sampled` caches for other powers.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -690,7 +690,7 @@ class _LightForce:
         else:
             field = self._light.field(points)
             force, error = field.force, self._light.error_of(points, field)
-        # ignore errors that are not finite, far off, where a step of Newton's method may lead
+        # ignore infinite errors, which occur far away, where a step of Newton's method may lead
         self.error = max(self.error, float(error[np.isfinite(error)].max(initial=0.0)))
         return force
 
@@ -698,7 +698,7 @@ class _LightForce:
 def _efficiency(
     light_force: NetForce, direction: str, coordinates: Array, unit: float
 ) -> Efficiency | None:
-    """Return the largest efficiency Q against `direction`, such as "+z"; None if no force pulls.
+    """Return the largest efficiency Q against `direction`, such as "+z"; None without such a force.
 
     Q is the force over `unit` = n_m P/c, N, with the refractive index n_m, the power P and the
     speed of light c. `coordinates` (n,), m, are the points on the line at which it is sampled.
