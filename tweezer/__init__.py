@@ -5,7 +5,7 @@
 >>> run = tweezer.simulate(scene, duration="10 ms")
 
 `__init__.pyi` lists the public names. They are loaded when first used, so that importing the
-package costs nothing.
+package takes little time.
 """
 
 from typing import Any

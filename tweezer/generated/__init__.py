@@ -1,6 +1,6 @@
-"""The emitted modules of the folder `generated/` of a checkout.
+"""The emitted modules in the folder `generated/` of a checkout.
 
-A wheel has these modules themselves in this place, so that an installed tweezer brings one package.
+A wheel contains these modules in place of this file.
 """
 
 from pathlib import Path

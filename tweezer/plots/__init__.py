@@ -1,7 +1,7 @@
-"""Figures of runs, traps, calibrations and fits, in the look of `tweezer.plots.style`.
+"""Figures of runs, traps, calibrations and fits, in the style of `tweezer.plots.style`.
 
-Each function returns a Matplotlib Figure and changes no global state.
-`__init__.pyi` lists the names. They are loaded when first used.
+Each function returns a Matplotlib Figure and changes no global state. `__init__.pyi` lists the
+names, which are loaded when first used.
 """
 
 import lazy_loader

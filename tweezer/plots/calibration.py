@@ -1,4 +1,4 @@
-"""The figure of a calibration: the recording, and the curves that its estimates fit."""
+"""Figure of a calibration: the recording, and the curves of the fits."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 #: Size of the figure, inches
 SIZE = (style.PAGE, 7.0)
-#: Number of samples of a trajectory that a figure can show
+#: Largest number of samples of a trajectory in a figure
 _SHOWN = 6000
 
 
@@ -40,9 +40,9 @@ _SHOWN = 6000
 def calibration_figure(recording: Recording, calibration: Calibration) -> Figure:
     """Draw trajectory, density, power spectrum, mean squared displacement and potential, with fits.
 
-    Bars are standard errors. Spectra are averaged over bins of frequency for the figure only; the
-    fits are those of `calibration`. A recording in volts is drawn in metres, one with a drive
-    without the motion that the stage causes.
+    Bars are standard errors. Spectra are averaged over bins of frequency only for the figure; the
+    curves are the fits in `calibration`. A recording in volts is drawn in metres. A recording with
+    a drive is drawn without the motion that the stage causes.
     """
     figure = style.new(*SIZE)
     draw_calibration(figure, recording, calibration)
@@ -53,7 +53,7 @@ def calibration_figure(recording: Recording, calibration: Calibration) -> Figure
 def draw_calibration(
     figure: Figure | SubFigure, recording: Recording, calibration: Calibration
 ) -> None:
-    """Draw the panels of `calibration_figure` in a figure or a part of one."""
+    """Draw the panels of `calibration_figure` in a figure or in a part of one."""
     recording = in_metres(recording, calibration)
     axes = figure.subplot_mosaic(
         [["trajectory", "trajectory"], ["spectrum", "displacement"], ["potential", "density"]],
@@ -115,7 +115,7 @@ def _draw_density(axes: Axes, recording: Recording) -> None:
 
 
 def _draw_spectrum(axes: Axes, recording: Recording, calibration: Calibration) -> None:
-    """Draw power spectra with their models: solid in the range of the fit, dotted beyond.
+    """Draw power spectra with their models, solid in the range of the fit and dotted beyond.
 
     Rings mark corner frequencies.
     """
@@ -190,7 +190,7 @@ def _draw_displacement(axes: Axes, recording: Recording, calibration: Calibratio
 
 
 def _number(along: Axis) -> None:
-    """Write plain numbers at a logarithmic axis that is too short for powers of ten alone."""
+    """Use plain numbers on a logarithmic axis that is too short for powers of ten alone."""
     low, high = along.get_view_interval()
     if high < 100 * low:
         short = high < 20 * low
@@ -231,5 +231,5 @@ def _stiffness(k: float, uncertainty: float) -> str:
 
 
 def _mark(findings: tuple[Finding, ...]) -> str:
-    """Return the end of a legend's text for an estimate with findings; "" without findings."""
+    """Return the end of the legend text for an estimate with findings; "" without findings."""
     return ", not trusted" if findings else ""

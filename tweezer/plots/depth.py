@@ -1,4 +1,4 @@
-"""The figure of a fit of the bead's height z from positions in the plane of the camera."""
+"""Figure of a fit of the bead's initial height z from positions in the plane of the camera."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @style.styled
 def depth_figure(track: Track, found: DepthFit) -> Figure:
-    """Draw track and fit, whitened residuals, height over time, and misfit over the start."""
+    """Draw track and fit, whitened residuals, height over time, and misfit over initial height."""
     figure = style.new(style.PAGE, 5.0)
     panels = figure.subplot_mosaic([["plane", "profile"], ["residuals", "depth"]])
     time = (track.times - found.start_time) * per("ms")
@@ -57,9 +57,9 @@ def depth_figure(track: Track, found: DepthFit) -> Figure:
 
 
 def _draw_profile(axes: Axes, found: DepthFit) -> None:
-    """Draw the misfit, -2 log(likelihood), over the height of the start.
+    """Draw the misfit, -2 log(likelihood), over the initial height.
 
-    Shaded are the confidence intervals; points are the minima.
+    Confidence intervals are shaded, and points mark the minima.
     """
     z, misfit = np.array(found.profile).T
     axes.plot(z * per("um"), misfit, color=style.PATH)
@@ -68,6 +68,6 @@ def _draw_profile(axes: Axes, found: DepthFit) -> None:
         axes.axvspan(low * per("um"), high * per("um"), color=style.SHADE, lw=0, zorder=0)
     for each in found.minima:
         axes.plot(each.z * per("um"), each.misfit, **style.SERIES[0].points)
-    axes.set_yscale("symlog", linthresh=10)  # a power of ten: the numbers below would overlap
+    axes.set_yscale("symlog", linthresh=10)  # a power of ten: smaller numbers would overlap
     axes.set(xlabel="z of the start (µm)", ylabel="misfit above the least", ylim=(-0.5, None))
     axes.set_title("profile likelihood; shaded: 95 % confidence")

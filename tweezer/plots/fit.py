@@ -1,4 +1,4 @@
-"""The figure of a fit of a scene: the profile likelihood of each key."""
+"""Figure of a fit of a scene: the profile likelihood of each key."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 @style.styled
 def fit_figure(found: SceneFit) -> Figure:
-    """Draw, over each key, the misfit, -2 log(likelihood), minimised over the other keys.
+    """Draw the misfit, -2 log(likelihood), over each key, minimised over the other keys.
 
-    Shaded are the 95 % confidence intervals.
+    The 95 % confidence intervals are shaded.
     """
     columns = min(len(found.keys), 3)
     rows = math.ceil(len(found.keys) / columns)
@@ -33,7 +33,7 @@ def fit_figure(found: SceneFit) -> Figure:
         factor, unit = usual_unit(each.value, each.unit)
         values, misfit = np.array(each.profile).T
         near = np.isfinite(misfit)
-        if near.sum() > 3:  # its root is nearly straight on both sides
+        if near.sum() > 3:  # the square root of the misfit is nearly straight on both sides
             side = np.where(values[near] < each.value, -1.0, 1.0)
             root = PchipInterpolator(values[near], side * np.sqrt(np.maximum(misfit[near], 0.0)))
             along = np.linspace(values[near][0], values[near][-1], 200)

@@ -1,4 +1,4 @@
-"""The figure of a trap over the height of its focus above a wall."""
+"""Figure of a trap over the height of its focus above a wall."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 def heights_figure(trap: xr.Dataset) -> Figure:
     """Draw stiffness, equilibrium, drag and corner frequency over the height of the focus.
 
-    trap: result of `tweezer.trap_over_heights`. Crosses on the axis are heights at which nothing
-    holds the bead.
+    `trap` is the result of `tweezer.trap_over_heights`. Crosses on the axis mark heights at which
+    nothing holds the bead.
     """
     figure = style.new(style.PAGE, 4.8)
     panels = figure.subplot_mosaic(
@@ -39,7 +39,7 @@ def heights_figure(trap: xr.Dataset) -> Figure:
         for axis, mark in style.AXES.items():
             panels[name].plot(height, values.sel(axis=axis), label=axis, **mark.both)
         panels[name].set(ylabel=label)
-        if name == "drag":  # beyond all bounds at contact
+        if name == "drag":  # it diverges at contact
             panels[name].set_yscale("log")
             panels[name].yaxis.set_major_locator(LogLocator(subs=(1, 1.5, 2, 3, 5)))
             panels[name].yaxis.set_major_formatter("{x:g}")

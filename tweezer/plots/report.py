@@ -1,4 +1,4 @@
-"""Report of a calibration on one page, HTML or PDF: figures, numbers, and findings against them."""
+"""Report on a calibration, one page of HTML or PDF: figures, numbers and findings."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ _TEMPLATE = Path(__file__).with_name("report.html")
 
 #: Width of a PDF and height of its drawings, inches
 _WIDTH, _HEIGHT = 11.0, 7.6
-#: Height of a line of a PDF, inches
+#: Height of a line in a PDF, inches
 _LINE = 0.18
-#: Length of a line over the whole width of a PDF
+#: Number of characters in a line across a PDF
 _CHARACTERS = 150
-#: Left margin of a PDF, as a part of the width
+#: Left margin of a PDF, over its width
 _MARGIN = 0.03
-#: Columns of a table in a PDF, as parts of its width
+#: Positions of the columns of a table in a PDF, over its width
 _COLUMNS = (0.0, 0.5, 0.73)
 
-#: What the figure shows.
+#: Description of the figure.
 _DRAWN = "Trajectory, density of positions, power spectrum, mean squared displacement, potential"
-#: How the numbers are to be read.
+#: Explanation of the numbers.
 _READING = (
     "Uncertainties are standard ones (68 %), of statistics alone: temperature, drag and scale "
     "count as exact unless they were fitted. p is the probability that the spectrum of a trapped "
@@ -47,40 +47,40 @@ _READING = (
 
 
 class Verdict(NamedTuple):
-    """Result of a calibration for one axis in a line."""
+    """Result of a calibration for one axis, in one line."""
 
     text: str
     trusted: bool
-    """whether nothing speaks against it"""
+    """whether it is free of findings"""
 
 
 class AxisTable(NamedTuple):
-    """Estimates of the stiffness along one axis, as text."""
+    """Stiffness estimates along one axis, as text."""
 
     axis: str
     rows: list[tuple[str, str, str]]
     """method, stiffness and judgement of each estimate"""
     lines: list[str]
-    """further results, a line each"""
+    """further results, one line each"""
 
 
 @dataclass(frozen=True)
 class Page:
-    """Content of a report in words."""
+    """Text of a report."""
 
     title: str
     verdicts: list[Verdict]
     notes: list[str]
-    """findings against numbers, to which tables refer by their number, from 1"""
+    """findings, to which tables refer by their numbers, from 1"""
     tables: list[AxisTable]
     facts: list[tuple[str, str]]
-    """what was read, given and fitted, by name"""
+    """data read, given and fitted, by name"""
 
 
 def page_of(recording: Recording, calibration: Calibration) -> Page:
-    """Return the words of a report on the calibration of a recording.
+    """Return the text of a report on the calibration of a recording.
 
-    Findings that several axes share are listed once, with the names of the axes.
+    A finding that several axes share is listed once, with the names of the axes.
     """
     free = calibration.free
     trapped = calibration.trapped
@@ -109,7 +109,7 @@ def page_of(recording: Recording, calibration: Calibration) -> Page:
 
 
 def _verdict(axis: AxisCalibration) -> Verdict:
-    """Return the verdict on an axis: its first estimate without findings, or why there is none."""
+    """Return the verdict on an axis: its first estimate without findings, or why it has none."""
     for each in axis.estimates:
         if not each.findings:
             text = f"{axis.axis}: k = {each.measured.words}, by {each.method}"
@@ -120,7 +120,7 @@ def _verdict(axis: AxisCalibration) -> Verdict:
 
 
 def _table(axis: AxisCalibration, unit: str, notes: list[str]) -> AxisTable:
-    """Return the estimates of an axis as text. notes: numbered findings to which they refer."""
+    """Return the estimates of an axis as text; `notes` are the numbered findings they refer to."""
     rows = [
         (method, k if k == "-" else f"{k} ± {error}", judgement.partition("; ")[0])
         for method, k, error, judgement in axis.table(notes).rows
@@ -129,12 +129,12 @@ def _table(axis: AxisCalibration, unit: str, notes: list[str]) -> AxisTable:
 
 
 def _typeset(line: str) -> str:
-    """Return a line for a terminal with the signs of print: µ, ± and ²."""
+    """Return a line for a terminal with typographic signs: µ, ± and ²."""
     return re.sub(r"\bu(?=[ms]\b)", "µ", line.replace("+-", "±").replace("^2", "²"))
 
 
 def _facts(recording: Recording, calibration: Calibration) -> list[tuple[str, str]]:
-    """Return what was read, given and fitted, by name."""
+    """Return the data read, given and fitted, as pairs of name and text."""
     samples, step = calibration.samples, calibration.step
     facts = [
         ("record", f"{samples:,} samples, one every {printed(step, 'ms')}: {samples * step:.4g} s"),
@@ -184,7 +184,7 @@ def _facts(recording: Recording, calibration: Calibration) -> list[tuple[str, st
 
 
 def _band(low: float, high: float) -> str:
-    """Return a band of frequencies, Hz, as text; the upper end may be infinite."""
+    """Return a frequency band, Hz, as text; the upper end may be infinite."""
     return f"{low:.4g} to {high:.4g} Hz" if math.isfinite(high) else f"from {low:.4g} Hz on"
 
 
@@ -214,7 +214,7 @@ def write_report(recording: Recording, calibration: Calibration, path: str | Pat
 
 
 def _as_html(page: Page, recording: Recording, calibration: Calibration) -> str:
-    """Return the report as HTML, with its figure as a PNG within."""
+    """Return the report as HTML, with its figure embedded as PNG."""
     from jinja2 import Environment, StrictUndefined
 
     from tweezer.plots import calibration_figure, style
@@ -228,9 +228,9 @@ def _as_html(page: Page, recording: Recording, calibration: Calibration) -> str:
 
 
 def _as_pdf(page: Page, recording: Recording, calibration: Calibration) -> Figure:
-    """Return the report as a figure for a PDF: words above, drawings below.
+    """Return the report as a figure for a PDF, with text above and drawings below.
 
-    The height of the figure follows from the number of lines, each of a fixed height.
+    The height of the figure follows from the number of lines, which have a fixed height.
     """
     from tweezer.plots import draw_calibration, style
 
@@ -260,11 +260,11 @@ def _as_pdf(page: Page, recording: Recording, calibration: Calibration) -> Figur
     at = 1.0
 
     def write(text: str, x: float = _MARGIN, **look: object) -> None:
-        """Write a text at the current height, `x` of the width from the left."""
+        """Write a text at the current height, with its left end at `x` of the width."""
         words.text(x, at, text, va="top", parse_math=False, **{"fontsize": style.TEXT, **look})
 
     def down(lines: float) -> None:
-        """Move the current height down by so many lines."""
+        """Move the current height down by a number of lines."""
         nonlocal at
         at -= lines / count
 

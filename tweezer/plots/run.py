@@ -1,4 +1,4 @@
-"""The figure of a run: its path, positions, and speeds or distance over time."""
+"""Figure of a run: its path, positions, and speeds or distance over time."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-#: Speed below which none is drawn, as a part of the largest
+#: Speed below which nothing is drawn, over the largest speed
 _SLOWEST = 5e-5
 
 
@@ -29,8 +29,8 @@ _SLOWEST = 5e-5
 def run_figure(run: xr.Dataset) -> Figure:
     """Draw the path in the plane of the beam's axis, and coordinates and speeds over time.
 
-    With thermal motion the distance to the focus takes the place of the speeds, which have no
-    meaning between samples. Samples too far apart to show the motion are drawn as points.
+    With thermal motion the distance to the focus is drawn instead of the speeds, which are
+    undefined between samples. Samples too far apart to show the motion are drawn as points.
     """
     figure = style.new(style.PAGE, 4.3)
     axes = figure.subplot_mosaic(
@@ -48,14 +48,14 @@ def run_figure(run: xr.Dataset) -> Figure:
     model = run.attrs["model"]
     if model == "scaled":
         model += f", a₂ = {scene_of(run).simulation.scaling_factor:g}"
-    how = [model, run.attrs["method"], run.attrs["message"]]  # a message if it ended early
+    how = [model, run.attrs["method"], run.attrs["message"]]  # the message if it ended early
     style.add_title(figure, run.attrs["title"], " · ".join(filter(None, how)))
     add_caveat(figure, scene_of(run))
     return figure
 
 
 def _milliseconds(run: xr.Dataset) -> np.ndarray:
-    """Return the times of the samples, (n,) ms."""
+    """Return the times of the samples, (n,), ms."""
     return run["time"].values * per("ms")
 
 
@@ -65,10 +65,10 @@ def _thermal(run: xr.Dataset) -> bool:
 
 
 def _look(run: xr.Dataset, mark: style.Mark) -> dict[str, Any]:
-    """Return the look of a curve through the samples, or of points if they do not form a curve.
+    """Return the style of a curve through the samples, or of points if samples form no curve.
 
-    Thermal motion fills its lines, which are therefore solid and thin. More than 10,000 points are
-    drawn as an image, because a page of vectors would be large.
+    Thermal motion is drawn by thin solid lines. More than 10,000 points are drawn as an image,
+    because vector graphics would be large.
     """
     many = {"rasterized": run.sizes["time"] > 10_000}
     if not resolved(Run.of(run)):
@@ -79,7 +79,7 @@ def _look(run: xr.Dataset, mark: style.Mark) -> dict[str, Any]:
 
 
 def _draw_path(axes: Axes, run: xr.Dataset) -> None:
-    """Draw the path as distance from the axis, positive on the side of the start, against z."""
+    """Draw z and the distance from the axis, which is positive on the side of the release."""
     scene = scene_of(run)
     position = run["position"].values * per("um")
     start = position[0, :2]
@@ -100,7 +100,7 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
                    edgecolor=style.PATH, alpha=0.35 if filled else 0.9, lw=0.8, zorder=2)
         )  # fmt: skip
     draw_walls(axes, scene, reach)
-    below = z[len(z) // 2] > z[0]  # the side without the path
+    below = z[len(z) // 2] > z[0]  # the side that the path leaves free
     axes.annotate(
         "start", (lateral[0], z[0] - radius if below else z[0] + radius), ha="center",
         va="top" if below else "bottom", xytext=(0, -2 if below else 2),
@@ -129,7 +129,7 @@ def _draw_position(axes: Axes, run: xr.Dataset) -> None:
 
 
 def _draw_contact(axes: Axes, scene: Scene) -> None:
-    """Draw the height at which the bead touches a wall, if it is near the range of the axes."""
+    """Draw the height at which the bead touches a wall, if it is close to the range of the axes."""
     low, high = axes.get_ylim()
     for plane, normal in planes(scene):
         touching = plane + normal * scene.body.support(normal) * per("um")
@@ -153,7 +153,7 @@ def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
     """Draw actual and terminal speed (5.2) over time, with the Reynolds number (5.1)."""
     time = _milliseconds(run)
     look = _look(run, style.SERIES[0])
-    if resolved(Run.of(run)):  # the terminal speed lies on it for most of the way
+    if resolved(Run.of(run)):  # the terminal speed coincides with it most of the time
         look |= {"lw": 2.6, "alpha": 0.45}
     axes.plot(time, run["speed"], label="actual", **look)
     terminal = _look(run, style.SERIES[1])
@@ -177,9 +177,9 @@ def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
 
 
 def _mark_closest_approach(axes: Axes, run: xr.Dataset, label: str) -> None:
-    """Mark the time of the first closest approach by a line; not for thermal motion."""
+    """Mark the time of the first closest approach by a line, except for thermal motion."""
     time = summarise(run).closest_approach_time
-    if time is None or _thermal(run):  # thermal motion comes close many times
+    if time is None or _thermal(run):  # thermal motion has many close approaches
         return
     axes.axvline(time * per("ms"), color=style.MUTED, lw=0.8, ls=":")
     late = time * per("ms") > _milliseconds(run)[-1] / 2

@@ -1,4 +1,4 @@
-"""Parts that figures of runs and of traps share: cones of light, walls, the caveat."""
+"""Parts of figures that runs and traps share: cones of light, walls and caveats."""
 
 from __future__ import annotations
 
@@ -19,23 +19,24 @@ if TYPE_CHECKING:
 
 
 def add_caveat(figure: Figure, scene: Scene, *, cones: bool = True) -> None:
-    """Add the caveat of ray optics, or of the cones if they are drawn, below all panels.
+    """Add a caveat below all panels: that of ray optics, or that of the cones if they are drawn.
 
-    No scene has both, because a cover excludes ray optics.
+    No scene has both, because a cover glass excludes ray optics.
     """
     if caveat := ray_optics_caveat(scene) or (cone_caveat(scene) if cones else None):
         style.add_note(figure, caveat[0].upper() + caveat[1:] + ".")
 
 
 def planes(scene: Scene) -> list[tuple[float, float]]:
-    """Return z, um, of each wall, and its normal: the direction along z from it to the bead, 1 or
-    -1.
+    """Return the position z, um, and normal of each wall.
+
+    The normal is the direction along z from the wall to the bead, 1 or -1.
     """
     return [(per("um") * z, normal) for z, normal in (scene.wall.planes if scene.wall else ())]
 
 
 def draw_walls(axes: Axes, scene: Scene, reach: float) -> None:
-    """Draw walls, up to a height `reach`, um, and lines at which the bead's centre stops."""
+    """Draw walls up to a height `reach`, um, and lines at which the bead's centre stops."""
     for plane, normal in planes(scene):
         if abs(plane) < reach:
             axes.axhspan(plane, -normal * reach, **style.SOLID)
@@ -44,11 +45,11 @@ def draw_walls(axes: Axes, scene: Scene, reach: float) -> None:
 
 
 def draw_cones(axes: Axes, scene: Scene, reach: float, direction: np.ndarray, **how: Any) -> None:
-    """Draw the cone of light of each beam before and behind its focus, to a distance beyond the
+    """Draw the cone of light of each beam before and behind its focus, beyond the edges of the
     figure.
 
-    reach: half the height of the figure, um. direction: (2,) unit vector in the plane of x and y,
-    along the figure's horizontal axis. Moving beams are drawn at their position at rest.
+    `reach` is half the height of the figure, um. `direction` (2,) is the unit vector in the plane
+    of x and y along the figure's horizontal axis. Moving beams are drawn at their rest position.
     """
     length = 3 * reach
     for beam in scene.beams:

@@ -1,10 +1,9 @@
 """Style of all figures: sizes, fonts, colours and line styles, and writing them to files.
 
-A figure is drawn at the size at which it is printed: as wide as one column of a journal, 85 mm, or
-as two, 178 mm, with no text below 7 points. Colours differ in lightness, so that they are
-distinguished in grey and with red-green colour blindness. Curves in the same axes also differ by
-line or marker. A figure has the same look whatever the style of the session, and changes no global
-state; only `use` does, for notebooks.
+Figures have the width of one column of a journal, 85 mm, or of two, 178 mm, with no text below 7
+points. Colours differ in lightness, so they are distinguished in greyscale and with red-green
+colour blindness. Curves in the same axes also differ by line or marker. Figures look the same in
+any Matplotlib session and change no global state. Only `use` does, for notebooks.
 """
 
 from __future__ import annotations
@@ -27,11 +26,11 @@ from tweezer.values.version import __version__
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
 
-#: Width of one column and of two, inches: 85 mm and 178 mm
+#: Widths of one and two columns, inches
 COLUMN, PAGE = 85 / 25.4, 178 / 25.4
-#: Size of most text and of the smallest, points
+#: Sizes of normal and of the smallest text, points
 TEXT, SMALL = 8.0, 7.0
-#: Dots an inch of a PNG
+#: Resolution of a PNG, dots per inch
 DOTS = 200
 
 
@@ -40,17 +39,17 @@ class Mark(NamedTuple):
 
     colour: str
     line: Any
-    """style of its line, as Matplotlib takes it"""
+    """line style, in the form that Matplotlib accepts"""
     marker: str
 
     @property
     def curve(self) -> dict[str, Any]:
-        """Arguments of `plot` for a line alone."""
+        """Arguments of `plot` for a line without markers."""
         return {"color": self.colour, "ls": self.line}
 
     @property
     def points(self) -> dict[str, Any]:
-        """Arguments of `plot` for markers alone."""
+        """Arguments of `plot` for markers without a line."""
         return {"color": self.colour, "ls": "", "marker": self.marker}
 
     @property
@@ -59,7 +58,7 @@ class Mark(NamedTuple):
         return {"color": self.colour, "ls": self.line, "marker": self.marker}
 
 
-#: Things that are compared, in the order in which they are used
+#: Marks of compared curves, in the order of use
 SERIES = (
     Mark("#0b3c7d", "-", "o"),
     Mark("#c4495b", (0, (5, 1.5)), "s"),
@@ -68,15 +67,15 @@ SERIES = (
     Mark("#4a90e8", (0, (7, 1.5, 1, 1.5, 1, 1.5)), "v"),
     Mark("#6a2bc2", (0, (2.5, 1.2)), "P"),
 )
-#: The axes of the laboratory
+#: Marks of the axes of the laboratory frame
 AXES = dict(zip("xyz", SERIES, strict=False))
-#: What moves, the light and its limits, what serves for orientation, and what is told beside
+#: Colours of the path, of light and its limits, of orientation marks, and of notes
 PATH, LIGHT, MUTED, NOTE = SERIES[0].colour, "#cc3311", "#777777", "#555555"
-#: Interior of an interval
+#: Colour of the inside of an interval
 SHADE = "#d8e2f1"
-#: Style of what is solid
+#: Style of solid regions
 SOLID: dict[str, Any] = {"fc": "#dddddd", "ec": "#aaaaaa", "hatch": "////", "lw": 0, "zorder": 0}
-#: Maps of colours: of a size from zero, and of any value. Their lightness goes one way
+#: Colour maps for values from zero, and for any values, with monotonic lightness
 FROM_ZERO, VALUES = "Blues", "viridis"
 
 _PARAMETERS: Any = {
@@ -142,7 +141,7 @@ _PARAMETERS: Any = {
 
 
 class _Styled(Figure):
-    """A figure that is laid out, drawn and written in this style, whatever the session's style."""
+    """Figure that is laid out, drawn and written in this style, in any Matplotlib session."""
 
     def draw(self, renderer: RendererBase) -> None:
         """Draw the figure in this style."""
@@ -156,13 +155,13 @@ class _Styled(Figure):
 
 
 def new(width: float, height: float, *, layout: str = "constrained") -> Figure:
-    """Return an empty figure of this size in inches, to be drawn on by a `styled` function."""
+    """Return an empty figure of this size in inches, for drawing by a `styled` function."""
     with mpl.rc_context(_PARAMETERS):
         return _Styled(figsize=(width, height), layout=layout)  # type: ignore[arg-type]
 
 
 def styled(function: Callable[_P, _T]) -> Callable[_P, _T]:
-    """Let a function draw in this style, whatever the style of the session."""
+    """Make a function draw in this style, regardless of the session's style."""
 
     @functools.wraps(function)
     def inner(*args: _P.args, **keywords: _P.kwargs) -> _T:
@@ -174,7 +173,7 @@ def styled(function: Callable[_P, _T]) -> Callable[_P, _T]:
 
 
 def use() -> None:
-    """Use this style for all that pyplot draws from now on, at the size of a notebook's page.
+    """Use this style for everything that pyplot draws, at the size of a notebook's page.
 
     Curves in the same axes differ by colour and line, in the order of `SERIES`.
     """
@@ -186,8 +185,8 @@ def use() -> None:
 def save(figure: Figure, to: Path | IO[bytes], kind: str, title: str = "") -> None:
     """Write a figure as "png", "svg" or "pdf", with its title and without a date.
 
-    title: by default the one above the panels. In SVG text remains text; PDF embeds its fonts. The
-    same figure gives the same bytes.
+    `title` is by default the title above the panels. Text remains text in SVG, and PDF embeds its
+    fonts. The same figure gives the same bytes.
     """
     title = title or " ".join(figure.get_suptitle().split())
     made_by = f"tweezer {__version__}"
@@ -202,7 +201,7 @@ def save(figure: Figure, to: Path | IO[bytes], kind: str, title: str = "") -> No
 def add_title(figure: Figure | SubFigure, text: str, note: str = "") -> None:
     """Add a title above all panels, and a note below it, of up to three lines each.
 
-    Both are literal: a dollar sign in a name begins no formula.
+    Both are literal text: a dollar sign in a name does not begin a formula.
     """
     width = round(13 * figure.bbox.width / figure.dpi)
     parts = [textwrap.fill(part, width, max_lines=3, placeholder=" …") for part in (text, note)]
@@ -210,7 +209,7 @@ def add_title(figure: Figure | SubFigure, text: str, note: str = "") -> None:
 
 
 def add_note(figure: Figure, text: str) -> None:
-    """Add a note that a reader must know, in small letters below all panels."""
+    """Add a note in small letters below all panels, on limitations that a reader must know."""
     width = round(figure.get_figwidth() * 17)
     figure.supxlabel(textwrap.fill(text, width), fontsize=SMALL, color=NOTE, parse_math=False)
 
@@ -218,7 +217,7 @@ def add_note(figure: Figure, text: str) -> None:
 def headroom(axes: Axes, part: float, *, below: bool = False) -> None:
     """Lengthen the vertical axis by a fraction `part` of its length, to make room for a legend.
 
-    The axis may be linear or logarithmic. below: lengthen it downwards, not upwards.
+    The axis may be linear or logarithmic. It is lengthened downwards if `below`, else upwards.
     """
     scale = axes.yaxis.get_transform()
     low, high = scale.transform(axes.get_ylim())
@@ -228,7 +227,7 @@ def headroom(axes: Axes, part: float, *, below: bool = False) -> None:
 
 
 def legend_above(axes: Axes, columns: int, **options: Any) -> Legend:
-    """Add a legend between axes and title, away from the data."""
+    """Add a legend between axes and title, outside the data."""
     return axes.legend(
         loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, borderaxespad=0.2, **options
     )

@@ -1,4 +1,4 @@
-"""Figures of sweeps: maps over two keys, curves over one, families of curves."""
+"""Figures of sweeps: maps over two keys, curves over one key, families of curves."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
 
 
-#: A lifetime of an hour, and the longest that is told apart, s
+#: Lifetime of one hour, and the longest one that is distinguished, s
 _HOUR, _LONGEST = 3600.0, 1e10
 #: Largest number of curves in a family
 _FAMILY = 8
-#: Ratio of the ends of a range from which on its axis is logarithmic, if its values are even so
+#: Smallest ratio of the ends of a range for which its axis can be logarithmic
 _WIDE = 3.0
-#: Colour of what is not trapped, of a case that failed, and of one that is not computed
+#: Colours of cases without a trap, failed cases, and cases that were not computed
 _LOST, _BROKEN, _EMPTY = "#d9d9d9", style.LIGHT, "#ffffff"
-#: Length of a line of a panel's title
+#: Length of a line in the title of a panel
 _TITLE = 46
 
 
 class _Panel(NamedTuple):
-    """A quantity of a sweep as a panel of the figure shows it."""
+    """A quantity of a sweep in the form in which a panel of the figure shows it."""
 
     values: xr.DataArray
     """values over the swept dimensions, in the unit of the figure"""
@@ -52,19 +52,20 @@ class _Panel(NamedTuple):
     log: bool = False
     """whether values differ by orders of magnitude"""
     line: float | None = None
-    """value that is marked by a line"""
+    """value marked by a line"""
     top: float | None = None
-    """value at which larger ones are cut"""
+    """upper limit of the values drawn"""
 
 
 @style.styled
 def sweep_figure(result: xr.Dataset) -> Figure:
     """Draw the main quantities of a sweep over one or two of its keys.
 
-    Two ranges of numbers give maps: for a trap its depth, where it holds the bead, with the line of
-    10 k_B T, and its stiffness. One gives curves with their errors; beside a few values of a second
-    key, or a few cases, each has its own curve. Cases that failed, and those in which nothing holds
-    the bead, are marked. Raises `ResultError` for sweeps over more: select first, with `.sel`.
+    Two keys with numerical ranges give maps. For a trap these show the well depth, where it holds
+    the bead, with the line of 10 k_B T, and the stiffness. One range gives curves with their
+    errors, one for each of a few values of a second key or of a few cases. Failed cases, and cases
+    in which nothing holds the bead, are marked. Raises `ResultError` for a sweep over more keys:
+    first select with `.sel`.
     """
     over = [str(dim) for dim in result["outcome"].dims]
     swept = drawn_over({dim: result.sizes[dim] for dim in over})
@@ -99,9 +100,9 @@ def sweep_figure(result: xr.Dataset) -> Figure:
 
 
 def drawn_over(sizes: Mapping[str, int]) -> list[str]:
-    """Return the dimensions of a sweep that have several values; raise `ResultError` unless 1 or 2.
+    """Return the dimensions of a sweep with several values; raise `ResultError` unless 1 or 2.
 
-    sizes: number of values by dimension.
+    `sizes` has the number of values by dimension.
     """
     swept = [dim for dim, size in sizes.items() if size > 1]
     if not 1 <= len(swept) <= 2:
@@ -118,7 +119,7 @@ def _numeric(values: xr.DataArray) -> bool:
 
 
 def _panels(result: xr.Dataset) -> list[_Panel]:
-    """Return the panels of the figure, which depend on the result that was swept."""
+    """Return the panels of the figure, which depend on the kind of sweep."""
     match result.attrs["of"]:
         case "trap":
             panels = [
@@ -153,7 +154,7 @@ def _easiest(
 ) -> _Panel:
     """Return the panel of a quantity in the direction in which it is smallest.
 
-    scale: factor from SI to the unit of the figure. line: value that is marked by a line.
+    `scale` is the factor from SI to the unit of the figure, and `line` a value marked by a line.
     """
     at = result[name].fillna(math.inf).argmin("direction")
     values, errors = (result[each].isel(direction=at) for each in (name, f"{name}_error"))
@@ -161,7 +162,7 @@ def _easiest(
 
 
 def _panel(result: xr.Dataset, name: str, axis: str = "", *, log: bool = False) -> _Panel:
-    """Return the panel of a quantity, along an axis if one is given, in the unit of figures."""
+    """Return the panel of a quantity, along an axis if given, in the unit of figures."""
     values, error = result[name], result[f"{name}_error"]
     label = values.attrs["long_name"]
     if axis:
@@ -172,7 +173,7 @@ def _panel(result: xr.Dataset, name: str, axis: str = "", *, log: bool = False) 
 
 
 def _shown(unit: str) -> tuple[float, str]:
-    """Return the factor from an SI unit to the unit of the figure, and that unit in brackets."""
+    """Return the factor from an SI unit to the unit of the figure, and this unit in brackets."""
     scale, name = in_tables(unit)
     return scale, f" ({typeset(name)})" if name else ""
 
@@ -182,7 +183,7 @@ def _axis_of(values: xr.DataArray) -> tuple[Array, str, bool]:
     logarithmic.
 
     It is if they are positive, differ by a factor above 3, and have more even ratios than
-    differences. Values that are no numbers are numbered.
+    differences. Values that are not numbers are numbered.
     """
     if not _numeric(values):
         return np.arange(values.size, dtype=float), str(values.name), False
@@ -196,9 +197,9 @@ def _axis_of(values: xr.DataArray) -> tuple[Array, str, bool]:
 
 
 def _draw_map(axes: Axes, panel: _Panel, result: xr.Dataset, down: str, along: str) -> None:
-    """Draw a quantity as colours over two keys; cells without a number are marked by their outcome.
+    """Draw a quantity as colours over two keys; mark cells without a number by their outcome.
 
-    down, along: dimensions on the vertical and the horizontal axis.
+    `down` and `along` are the dimensions on the vertical and the horizontal axis.
     """
     x, x_label, x_wide = _axis_of(result[along])
     y, y_label, y_wide = _axis_of(result[down])
@@ -232,8 +233,9 @@ def _mark(
 ) -> None:
     """Colour the cells without a number by their outcome, with a legend.
 
-    x, y: values of both keys. x_wide, y_wide: whether the axes are logarithmic. without: booleans,
-    cells without a number. outcome: words of all cells. Both are (y, x).
+    `x` and `y` are the values of both keys, `x_wide` and `y_wide` whether the axes are logarithmic.
+    `without` selects the cells without a number, and `outcome` has the words of all cells, both as
+    arrays (y, x).
     """
     styles = {FAILED: _BROKEN, MISSING: _EMPTY}
     legend = []
@@ -250,24 +252,23 @@ def _mark(
 
 
 def _one_colour(colour: str) -> Any:
-    """Return a colour map that has this colour alone."""
+    """Return a colour map with a single colour."""
     from matplotlib.colors import ListedColormap
 
     return ListedColormap([colour])
 
 
 def _number(axis: Axis, at: Array) -> None:
-    """Write plain numbers at a logarithmic axis, more of them if it is short. at: its values."""
+    """Use plain numbers on a logarithmic axis, more of them if it is short; `at`: its values."""
     axis.set_major_locator(LogLocator(subs=(1, 2, 5) if at.max() < 100 * at.min() else (1,)))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
 
 
 def _edges(at: Array, *, wide: bool) -> Array:
-    """Return the edges (n + 1,) of cells around values (n,), which need not be even, in their
-    order.
+    """Return the edges (n + 1,) of cells around values (n,), in order; they may be uneven.
 
-    wide: whether the axis is logarithmic.
+    `wide` is whether the axis is logarithmic.
     """
     values = np.log(at) if wide else at
     middle = (values[1:] + values[:-1]) / 2  # the outer edges mirror the nearest inner ones
@@ -280,8 +281,8 @@ def _draw_curves(
 ) -> None:
     """Draw a quantity as curves with errors over one key, one for each member of the family.
 
-    swept: dimensions with several values. family: those that may distinguish curves, the best
-    first.
+    `swept` are the dimensions with several values, and `family` those that may distinguish curves,
+    the best first.
     """
     names = family[:1] if len(swept) == 2 else []
     (along,) = [dim for dim in swept if dim not in names]
@@ -329,14 +330,14 @@ def _draw_curves(
 
 
 def _keys_of(result: xr.Dataset, dimension: str) -> list[str]:
-    """Return the keys that vary along a dimension: several for a table of cases."""
+    """Return the keys that vary along a dimension; a table of cases may have several."""
     if dimension in result.coords:
         return [dimension]
     return [str(name) for name, of in result.coords.items() if of.dims == (dimension,)]
 
 
 def _told(result: xr.Dataset, dimension: str) -> list[str]:
-    """Return a name for each entry of a dimension, from the values of its keys."""
+    """Return a label for each entry of a dimension, from the values of its keys."""
     columns = []
     for key in _keys_of(result, dimension):
         values = result[key]
@@ -351,7 +352,7 @@ def _told(result: xr.Dataset, dimension: str) -> list[str]:
 
 
 def _marks(count: int) -> list[style.Mark]:
-    """Return the looks of `count` curves; if they are many, colours go from dark to light."""
+    """Return the styles of `count` curves; for many curves, colours from dark to light."""
     if count <= len(style.SERIES):
         return list(style.SERIES[:count])
     from matplotlib import colormaps

@@ -1,4 +1,4 @@
-"""The figure of a trap: force along two lines, and its field."""
+"""Figure of a trap: the force along two lines, and its field."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
 
     from tweezer.trap import Escape, Trap
 
-#: Force below which no field lines are drawn, as a part of the largest
+#: Force below which no field lines are drawn, over the largest force
 _NO_LINES = 1e-3
 
 
 @style.styled
 def trap_figure(scene: Scene, trap: Trap) -> Figure:
-    """Draw the force along the axis and across it, and the field of force around the trap.
+    """Draw the force along the axis and across it, and the force field around the trap.
 
-    Forces are the sum of light and weight. Without a stable equilibrium the curves run through the
+    The force is the sum of light and weight. Without a stable equilibrium the lines run through the
     focus.
     """
     trap.check_scene_alone("the figure of a trap")
@@ -44,12 +44,12 @@ def trap_figure(scene: Scene, trap: Trap) -> Figure:
 
 
 def _centre(trap: Trap) -> np.ndarray:
-    """Return the position of the equilibrium, or of the focus without one, (3,) m."""
+    """Return the position of the equilibrium, or of the focus without one, (3,), m."""
     return np.array(trap.equilibrium.position if trap.equilibrium else (0.0, 0.0, 0.0))
 
 
 def _reach(scene: Scene, trap: Trap) -> float:
-    """Return half the width of the figure about the origin, m."""
+    """Return half the width of the figure, which is centred on the origin, m."""
     r = scene.body.size
     shown = np.vstack([_centre(trap), *(beam.position for beam in scene.beams)])
     farthest = max((escape.force_at for escape in trap.escapes), default=0.0)
@@ -57,23 +57,23 @@ def _reach(scene: Scene, trap: Trap) -> float:
 
 
 def _net_force(scene: Scene, points: np.ndarray) -> np.ndarray:
-    """Return all forces but drag on the bead at positions (..., 3) m, in N and the same shape.
+    """Return all forces except drag on the bead at positions (..., 3), m, as (..., 3), N.
 
-    The bead is taken to touch no wall.
+    Contact with a wall is ignored.
     """
     return bound_once(scene).net_force_apart(points.reshape(-1, 3)).reshape(points.shape)
 
 
 def _free(scene: Scene, z: np.ndarray) -> np.ndarray:
-    """Return the heights among `z`, m, at which the bead is not in a wall."""
+    """Return those of the heights `z`, m, at which the bead is not in a wall."""
     return z if scene.wall is None else z[scene.room(z) > 0]
 
 
 def _largest_shown(scene: Scene, trap: Trap, largest: float) -> float:
     """Return the largest force that a figure shows, pN.
 
-    It is limited beside a wall whose force is much larger, or the force of the light would not be
-    seen. largest: largest force in the figure, pN.
+    It is limited if the force of a wall is much larger, so that the optical force remains visible.
+    `largest` is the largest force in the figure, pN.
     """
     if not scene.forces.dlvo or not trap.escapes:
         return largest
@@ -126,7 +126,7 @@ def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
 
 
 def _mark_escape(axes: Axes, escape: Escape, centre: float, colour: str) -> None:
-    """Mark the escape force on the curve. centre: equilibrium along the axis, m."""
+    """Mark the escape force on the curve; `centre`: equilibrium along the axis, m."""
     side = 1 if escape.direction[0] == "+" else -1
     place = ((centre + side * escape.force_at) * per("um"), -side * escape.force * per("pN"))
     axes.plot(*place, "o", mfc="white", mec=colour, ms=4, zorder=5)
@@ -140,13 +140,13 @@ def _mark_escape(axes: Axes, escape: Escape, centre: float, colour: str) -> None
 
 
 def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
-    """Draw direction and size of the force over the bead's position (x, z); bead to scale."""
+    """Draw direction and magnitude of the force over the bead's position (x, z); bead to scale."""
     centre, r = _centre(trap), scene.body.size
     x = z = np.linspace(-1, 1, 201) * _reach(scene, trap)
     points = np.zeros((z.size, x.size, 3))
     points[..., 0], points[..., 2] = np.meshgrid(x, z)
     held = z if scene.wall is None else np.clip(z, *_free(scene, z)[[0, -1]])
-    points[..., 2] = held[:, None]  # in a wall no force has a meaning
+    points[..., 2] = held[:, None]  # forces inside a wall are undefined
     force = _net_force(scene, points) * per("pN")
     size = np.linalg.norm(force, axis=-1)
     if np.ptp(size) > 0:
@@ -156,7 +156,7 @@ def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
             vmin=0, vmax=most, cmap=style.FROM_ZERO, shading="gouraud", zorder=0, rasterized=True,
         )  # fmt: skip
         axes.figure.colorbar(shown, ax=axes, label="force (pN)", fraction=0.046, pad=0.03)
-        # unit vectors, or interpolation between samples would follow the larger force
+        # unit vectors, because interpolation between samples would follow the larger force
         strong = size[..., None] > _NO_LINES * size.max()
         lines = np.divide(force, size[..., None], out=np.full_like(force, np.nan), where=strong)
         axes.streamplot(

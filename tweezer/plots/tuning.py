@@ -1,4 +1,4 @@
-"""The figure of a search for the scaling factor: gain in work and loss of accuracy."""
+"""Figure of a search for the scaling factor: savings in work and loss of accuracy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files of results: runs as NetCDF and others as JSON, written as a whole or not at all."""
+"""Files of results, written atomically: runs as NetCDF and others as JSON."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
 _ENGINE: Literal["h5netcdf"] = "h5netcdf"
 
-#: stands behind the content of a saved run, before its SHA-256; HDF5 reads no further than its
-#: own end, and drops what is behind when it changes a file
+#: Marker between the content of a saved run and its SHA-256. HDF5 ignores bytes after its own end,
+#: and drops them when it changes a file.
 _SEAL = b"\ntweezer sha256:\n"
-#: Bytes of which the digest is computed at once
+#: Number of bytes that enter the digest at a time
 _AT_ONCE = 2**24
 
 
@@ -51,7 +51,7 @@ def save_run(run: xr.Dataset, path: str | Path) -> Path:
 
 
 def write_run(run: Run, path: Path) -> None:
-    """Write a run, before it is a dataset, to a file; see `save_run`."""
+    """Write a run to a file before it becomes a dataset, as `save_run` does."""
     import h5netcdf
     import h5py
 
@@ -79,9 +79,9 @@ def _write_sealed(content: memoryview, path: Path) -> None:
 
 
 def _no_cluster() -> contextlib.AbstractContextManager[object]:
-    """Return a context in which xarray does not ask the cluster of a Dask client for a lock.
+    """Return a context in which xarray does not request a lock from the cluster of a Dask client.
 
-    Such a lock is named by the file, and a file in memory has no name.
+    Such a lock is named after the file, and a file in memory has no name.
     """
     if "distributed" not in sys.modules:
         return contextlib.nullcontext()
@@ -91,10 +91,10 @@ def _no_cluster() -> contextlib.AbstractContextManager[object]:
 
 
 def write_json(value: object, path: Path) -> None:
-    """Write `value` to `path`; the file there changes only once the new one is whole.
+    """Write `value` to `path` as JSON; an existing file changes only once the new one is complete.
 
-    JSON has no NaN: a number that is not known, or not finite, is written as null. Raises
-    `ResultError` if it cannot be written.
+    Numbers that are unknown or not finite become null, because JSON has no NaN. Raises
+    `ResultError` if the file cannot be written.
     """
     with replacing(path) as whole:
         whole.write(_as_json(value))
@@ -103,10 +103,10 @@ def write_json(value: object, path: Path) -> None:
 def write_result(
     result: Mapping[str, Any], path: Path, not_finite: Literal["null", "strings"] = "null"
 ) -> None:
-    """Write a result as JSON with a digest, by which `saved.read_json` notices a change.
+    """Write a result as JSON with a digest, by which `saved.read_json` detects changes.
 
-    See `write_json`. With `not_finite="strings"`, numbers that are not finite are written as "NaN",
-    "Infinity" and "-Infinity".
+    It is written as by `write_json`. With `not_finite="strings"`, numbers that are not finite are
+    written as "NaN", "Infinity" and "-Infinity".
     """
     with replacing(path) as whole:
         plain = json.loads(_as_json(result, not_finite))
@@ -114,7 +114,7 @@ def write_result(
 
 
 def _as_json(value: object, not_finite: Literal["null", "strings"] = "null") -> bytes:
-    """Return a value as JSON. not_finite: NaN and infinite numbers become null, or text."""
+    """Return a value as JSON; `not_finite` numbers become null or strings."""
     text = pydantic_core.to_json(
         value, indent=2, inf_nan_mode=not_finite, fallback=lambda array: array.tolist()
     )
@@ -141,9 +141,9 @@ def load_run(path: str | Path) -> xr.Dataset:
 
 
 def load_result(path: Path) -> xr.Dataset:
-    """Return a saved result: a store (.zarr), which is read when it is used, or a file (.nc).
+    """Load a saved result: a file (.nc), or a store (.zarr), which is read on demand.
 
-    Raises `ResultError` for a file or folder that is no result, is damaged, or lacks a part.
+    Raises `ResultError` for a file or folder that is not a result, is damaged, or incomplete.
     """
     if path.suffix.lower() == ".zarr":
         from tweezer.values.stores import open_store
@@ -175,15 +175,15 @@ def _reading(path: Path) -> Iterator[None]:
         raise ResultError(f"{path}: is a folder") from None
     except ResultError:
         raise
-    except Exception as error:  # h5py and h5netcdf raise of any kind where a file is damaged
+    except Exception as error:  # h5py and h5netcdf raise errors of any type for a damaged file
         reason = " ".join(str(error).split())
         raise ResultError(f"{path}: not a saved run: {reason}") from None
 
 
 def check_seal(path: Path) -> None:
-    """Raise `ResultError` if the digest at the end of a file does not fit its content.
+    """Raise `ResultError` if the digest at the end of a file does not match its content.
 
-    A file may have no digest.
+    A file without a digest is accepted.
     """
     check_regular(path)
     behind = len(_SEAL) + hashlib.sha256().digest_size
@@ -210,7 +210,7 @@ def scene_of(run: xr.Dataset) -> Scene:
 
 
 def scene_in(attributes: Mapping[str, Any]) -> Scene:
-    """Return the scene in the attributes of a run; see `scene_of`."""
+    """Return the scene in the attributes of a run; raise `ResultError` without a valid one."""
     try:
         return Scene.model_validate_json(attributes["scene"])
     except (KeyError, ValidationError):
@@ -221,7 +221,6 @@ def unlike(path: Path, scene: Scene, seed: int, continued: str = "", forces_from
     """Return how the file at `path` differs from a run of `scene` and `seed`; "" if it does not.
 
     The name of a run and its method of computation are not compared.
-
     Parameters
     ----------
     path : Path
@@ -260,7 +259,7 @@ def unlike(path: Path, scene: Scene, seed: int, continued: str = "", forces_from
 
 
 def _shown(key: str, value: Any) -> str:
-    """Return the value of a scene's key as text, a quantity in a usual unit."""
+    """Return the value of a scene's key as text, with quantities in a usual unit."""
     if isinstance(value, bool) or not isinstance(value, int | float) or key == "seed":
         return str(value)
     quantity, _ = described_at(key)

@@ -13,14 +13,15 @@ from tweezer.values.errors import ResultError
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Dimensions, values and attributes
+#: Dimensions, values and attributes of a variable
 Variable = tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]
 
 
 @dataclass(frozen=True)
 class Run:
-    """A run before it becomes an `xarray.Dataset`, because importing xarray takes longer than a
-    run.
+    """A run before it becomes an `xarray.Dataset`.
+
+    It exists because importing xarray takes longer than a short run.
     """
 
     coordinates: dict[str, Variable]
@@ -31,7 +32,7 @@ class Run:
     def of(cls, dataset: xr.Dataset) -> Run:
         """Return the run in a dataset.
 
-        Raises `ResultError` if it is no run, or a part without a sample.
+        Raises `ResultError` if it is not a run, or is a part of a run without samples.
         """
         for name in ("position", "time"):
             if name not in dataset.variables:
@@ -53,7 +54,7 @@ class Run:
         return xr.Dataset(self.variables, self.coordinates, self.attributes)
 
     def beside(self, name: str) -> list[str]:
-        """Return the names of a variable's coordinates that are not those of a dimension."""
+        """Return the names of a variable's coordinates other than its dimensions."""
         if name not in self.variables:
             return []
         dimensions = self.variables[name][0]
@@ -63,13 +64,11 @@ class Run:
         ]  # fmt: skip
 
     def __contains__(self, name: str) -> bool:
-        """Return whether the run has a variable or coordinate of this name."""
+        """Return whether the run has a variable or coordinate with this name."""
         return name in self.variables or name in self.coordinates
 
     def __getitem__(self, name: str) -> Array:
-        """Return the values of a variable or a coordinate. Raises `ResultError` if it does not
-        exist.
-        """
+        """Return the values of a variable or coordinate; raise `ResultError` if it is missing."""
         if name not in self:
             raise ResultError(f"a part of a run: it has no {name}, which this needs")
         _, values, _ = self.variables.get(name) or self.coordinates[name]
@@ -82,9 +81,9 @@ def variable(dimensions: tuple[str, ...], values: Array, units: str, long_name: 
 
 
 def with_error(described: Variable, error: str) -> Variable:
-    """Return a variable with an attribute that names the variable of its error.
+    """Return a variable with an attribute that names the variable of its error, `error`.
 
-    CF Conventions, 3.4. error: name of that variable.
+    See CF Conventions, section 3.4.
     """
     dimensions, values, attributes = described
     return dimensions, values, {**attributes, "ancillary_variables": error}

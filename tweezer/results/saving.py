@@ -116,7 +116,7 @@ def load(path: str | Path) -> Any:
 
 
 def result_in(content: Any, path: Path) -> Any:
-    """Return the result in the content of a file of JSON; see `load`."""
+    """Return the result in the content of a JSON file, for `load`."""
     kind = kind_of(content)
     if kind is None or not kind.of:
         raise ResultError(f"{path}: is no result that is known")
@@ -126,7 +126,7 @@ def result_in(content: Any, path: Path) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    """Return a result as dictionaries and lists, with the keys of a scene that are set."""
+    """Return a result as dictionaries and lists, with the set keys of a scene."""
     if isinstance(value, BaseModel):
         return value.model_dump(mode="json", exclude_none=True)
     if dataclasses.is_dataclass(value):
@@ -137,7 +137,7 @@ def _plain(value: Any) -> Any:
 
 
 def _loaded(kind: Kind, content: dict[str, Any], path: Path) -> Any:
-    """Return the result of a kind in the content of a file of JSON."""
+    """Return the result of a kind from the content of a JSON file."""
     module, name = kind.of.split(":")
     of: Any = getattr(importlib.import_module(module), name)
     saved = content[kind.within] if kind.within else content
@@ -152,7 +152,7 @@ def _loaded(kind: Kind, content: dict[str, Any], path: Path) -> Any:
 
 
 def _with_nan(of: Any, saved: Any) -> Any:
-    """Return `saved` with NaN for null where its type needs a number."""
+    """Return `saved` with NaN instead of null where its type requires a number."""
     parts = [each for each in get_args(of) if each is not Ellipsis]
     if NoneType in parts:
         return None if saved is None else _with_nan(parts[0], saved)

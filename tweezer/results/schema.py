@@ -1,4 +1,4 @@
-"""Required contents of a result: attributes, variables and units, checked when it is read.
+"""Required contents of a result: attributes, variables and units, checked on reading.
 
 Each kind of dataset has one table, on which the code that reads a result relies.
 """
@@ -25,12 +25,12 @@ Count = Annotated[int, Field(ge=0)]
 _VECTORS = {"axis": 3, "euler_parameter": 4, "body_axis": 3, "direction": 6}
 
 
-#: Upper bound on the coordinates of a bead, m. Statistics of larger ones overflow.
+#: Upper bound on the coordinates of a bead, m, above which statistics overflow.
 _LARGEST_POSITION = 1e9
 
 
 class Event(BaseModel):
-    """An event of a run, as its attributes have it: name, time (s) and position (m)."""
+    """Event in the attributes of a run: name, time (s) and position (m)."""
 
     name: str
     time: float
@@ -102,14 +102,14 @@ class Schema(NamedTuple):
     attributes: type[_Attributes]
     variables: Mapping[str, Variable]
     check: Callable[[xr.Dataset, Any, Scene], Iterable[str]]
-    """function of a dataset, its attributes and its scene that yields further errors"""
+    """function that yields further errors, from a dataset, its attributes and its scene"""
 
 
 def checked(dataset: xr.Dataset, name: str) -> xr.Dataset:
-    """Return the dataset after a check that it is a valid result of its kind.
+    """Return the dataset after checking that it is a valid result of its kind.
 
-    Raises `ResultError`, which begins with `name`, if it is not. Kinds that are not in `SCHEMAS`,
-    such as a trap over heights, are not checked.
+    Raises `ResultError`, beginning with `name`, if it is not. Kinds that are not in `SCHEMAS`, such
+    as a trap over heights, are not checked.
     """
     kind = kind_of(dataset)
     schema = SCHEMAS.get(kind.name) if kind else None
@@ -121,7 +121,7 @@ def checked(dataset: xr.Dataset, name: str) -> xr.Dataset:
 
 
 def _wrong(dataset: xr.Dataset, schema: Schema) -> Iterable[str]:
-    """Yield the errors of a dataset: attributes, variables, sizes of vectors, and the further
+    """Yield the errors of a dataset in attributes, variables, sizes of vectors, and the further
     check.
     """
     attributes = {str(key): plain(value) for key, value in dataset.attrs.items()}
@@ -143,7 +143,7 @@ def _wrong(dataset: xr.Dataset, schema: Schema) -> Iterable[str]:
 
 
 def _wrong_variable(dataset: xr.Dataset, name: str, expected: Variable) -> Iterable[str]:
-    """Yield the error of a variable in dimensions, type, sign or unit, if any."""
+    """Yield the error of a variable in dimensions, type, sign or unit, if there is one."""
     there = dataset.variables[name]
     if there.dims != expected.dimensions:
         along = ", ".join(map(str, there.dims))
@@ -161,12 +161,12 @@ def _wrong_variable(dataset: xr.Dataset, name: str, expected: Variable) -> Itera
 
 
 def plain(value: Any) -> Any:
-    """Return an attribute as a Python number; NetCDF has NumPy's."""
+    """Return an attribute as a Python number; NetCDF files have NumPy's."""
     return value.item() if isinstance(value, np.generic) else value
 
 
 def of_validation(error: ValidationError) -> str:
-    """Return the first error of a validation by Pydantic: where it is, and the reason."""
+    """Return the first error of a Pydantic validation: its location and the reason."""
     first = error.errors(include_url=False, include_input=False)[0]
     where = ".".join(map(str, first["loc"])) or "scene"
     message = " ".join(first["msg"].split())
@@ -174,7 +174,7 @@ def of_validation(error: ValidationError) -> str:
 
 
 def events_in(attributes: Mapping[str, Any]) -> list[Event]:
-    """Return the events in the attributes of a run. Raises `ResultError` if they are not valid."""
+    """Return the events in the attributes of a run; raise `ResultError` if they are not valid."""
     try:
         return _EVENTS.validate_json(attributes.get("events", "[]"))
     except ValidationError as error:
@@ -188,7 +188,7 @@ _EVENTS = TypeAdapter(list[Event])
 
 
 def rising(dataset: xr.Dataset, name: str) -> Iterable[str]:
-    """Yield the errors of a coordinate that must be finite and increase."""
+    """Yield the error of a coordinate that must be finite and increasing."""
     values = dataset[name].values
     if not np.isfinite(values).all():
         yield f"its {name} is not finite at entry {1 + int(np.argmin(np.isfinite(values)))}"
@@ -197,7 +197,7 @@ def rising(dataset: xr.Dataset, name: str) -> Iterable[str]:
 
 
 def _of_times(dataset: xr.Dataset) -> Iterable[str]:
-    """Yield the errors of the times of a dataset."""
+    """Yield the errors in the times of a dataset."""
     for name in ("time", "frame_time"):
         if name in dataset.variables:
             yield from rising(dataset, name)
@@ -283,15 +283,15 @@ def _of_sweep(dataset: xr.Dataset, about: _OfSweep, _scene: Scene) -> Iterable[s
             yield f"the error of its {name} is missing"
 
 
-#: Texts of every case of a sweep
+#: Variables with text for every case of a sweep
 _WORDS = ("outcome", "reason", "caveat")
-#: In place of a unit: the variable is no number
+#: Marks a variable with text instead of numbers, in place of a unit
 TEXT = "text"
 _TIME = Variable(("time",), "s", needed=True)
 
 
 def _over_time(*along: str, **units: str) -> dict[str, Variable]:
-    """Return variables over time, and `along` further dimensions, with these units by name."""
+    """Return variables over time and the further dimensions `along`, by name, with these units."""
     return {name: Variable(("time", *along), unit) for name, unit in units.items()}
 
 
@@ -336,7 +336,7 @@ _STATISTICS = {
     "bin": Variable(("bin",), "m", needed=True),
     "density": Variable(("bin", "axis"), "1/m", needed=True),
 }
-#: By the name of the kind
+#: Requirements by the name of the kind
 SCHEMAS: dict[str, Schema] = {
     "run": Schema(_OfRun, _RUN, _of_run),
     "ensemble": Schema(_OfEnsemble, _ENSEMBLE, _of_ensemble),

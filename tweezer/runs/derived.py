@@ -78,9 +78,9 @@ def derived_quantities(
 
 
 def fault_at(problem: Problem, times: Array, motion: Motion) -> str:
-    """Return the fault of the user's own forces at the samples of a motion; "" without a fault.
+    """Return the error of the user's own forces at the samples of a motion; "" without an error.
 
-    times: (n,) s.
+    `times` (n,) are in s.
     """
     for each in problem.others:
         pushed = each.field(motion.position, time=times, orientations=motion.orientation)
@@ -94,10 +94,10 @@ def fault_at(problem: Problem, times: Array, motion: Motion) -> str:
 def force_errors(
     problem: Problem, times: Array, motion: Motion, light: Wrench
 ) -> dict[str, Variable]:
-    """Return the errors of the forces in a motion at `times` (n,) s, with its optical force.
+    """Return the errors of the forces in a motion at `times` (n,), s, with its optical force.
 
-    * force_error: error of the optical force, N. It is estimated, or certified by the map. For the
-      thesis's grid it is the distance to the quadrature.
+    * force_error: error of the optical force, N. It is estimated, or certified by the force map.
+      For the thesis's grid it is the deviation from the quadrature.
     * net_force_error: error of all forces, N, with the user's own forces
     """
     places = motion.position

@@ -13,7 +13,7 @@ from tweezer.results.run import Run
 def resolved(run: Run) -> bool:
     """Return whether the sampling interval is shorter than the relaxation time of the trap.
 
-    The relaxation time is taken at both ends of the run.
+    The relaxation time is computed at both ends of the run.
     """
     scene, time, position = scene_in(run.attributes), run["time"], run["position"]
     if len(time) < 2:
@@ -22,6 +22,6 @@ def resolved(run: Run) -> bool:
     gradient = light_force(scene).field(ends, gradient=True, time=time[[0, -1]]).force_gradient
     mobility = drag(scene).mobilities(ends).value[:, :2].max(axis=1)
     if not (np.isfinite(gradient).all() and np.isfinite(mobility).all()):
-        return False  # as far from the light as no bead is
+        return False  # farther from the light than any bead
     rates = np.linalg.norm(gradient, ord=2, axis=(1, 2)) * mobility
     return bool((time[1] - time[0]) * rates.max() < 1)

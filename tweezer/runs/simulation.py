@@ -1,4 +1,4 @@
-"""Simulate a scene: from its description to an `xarray.Dataset` with units and provenance."""
+"""Simulation of a scene, with the result as an `xarray.Dataset` with units and provenance."""
 
 from __future__ import annotations
 
@@ -57,9 +57,9 @@ if TYPE_CHECKING:
     from tweezer.dynamics.walk import Walk
 
 
-#: Gap below which a bead is taken to have touched a wall between two samples, m
+#: Gap below which a bead may have touched a wall between two samples, m
 _TOUCHING = 5e-9
-#: steps of thermal motion between two looks at the clock and the keyboard
+#: Number of thermal steps between two checks for progress and interrupts
 _STEPS_AT_ONCE = 100_000
 
 
@@ -157,10 +157,9 @@ def simulate(
 
 
 def going_on_from(scene: Scene, earlier: xr.Dataset | str | Path) -> tuple[Scene, Continued]:
-    """Return the scene of a run that continues an earlier one, and the state from which it
-    continues.
+    """Return the scene of a run that continues an `earlier` one, and the state to continue from.
 
-    See `tweezer.dynamics.continuing`. earlier: run, or its file.
+    `earlier` is a run or its file. Raises `ResultError` if it cannot be continued.
     """
     if isinstance(earlier, str | Path):
         earlier = load_run(earlier)
@@ -178,12 +177,11 @@ def motion_of(
     progress: Callable[[float], None] | None = None,
     going_on: tuple[Scene, Continued] | None = None,
 ) -> tuple[Run, Callable[[], None]]:
-    """Return the run of `scene` without some of its errors, and the function that computes them.
+    """Return the run of `scene` without some of its errors, and a function that computes them.
 
-    The errors of the force and of the model are NaN until this function is called. It adds them to
-    the run. They may take longer than the motion itself, because most of the code compiled for a
-    first run belongs to them. An interrupt leaves them NaN.
-
+    The errors of the force and of the model are NaN until this function is called, which adds them
+    to the run. They may take longer than the motion itself, because most of the code compiled for
+    a first run belongs to them. If it is interrupted, they remain NaN.
     Parameters
     ----------
     scene, seed, forces, events, progress
@@ -246,7 +244,7 @@ def motion_of(
     elif frames is not None and result.status != "failed":
         warn(f"{scene.name}: no frames of the camera: its steps are more than are held in memory")
     summary = None
-    with contextlib.suppress(KeyboardInterrupt):  # the run itself is whole
+    with contextlib.suppress(KeyboardInterrupt):  # the run itself is complete
         if result.path is not None:
             summary = summary_of_path(run, result, budget)
             attributes["summary"] = stored(summary)
@@ -266,9 +264,9 @@ def motion_of(
 
 
 def _end(equations: EquationsOfMotion, result: Integration, budget: ErrorBudget) -> dict[str, str]:
-    """Return the attribute with the state from which a run can be continued.
+    """Return the attribute with the final state, from which a run can be continued.
 
-    See `tweezer.dynamics.continuing`. It is empty for a run without a final state.
+    The result is empty for a run without a final state.
     """
     if result.end is None:
         return {}
@@ -279,7 +277,7 @@ def _end(equations: EquationsOfMotion, result: Integration, budget: ErrorBudget)
 
 
 def _as_text(events: Sequence[Occurrence]) -> str:
-    """Return events as the JSON text in the attribute of a run: name, time (s) and position (m)."""
+    """Return events as JSON for the attribute of a run: name, time (s) and position (m)."""
     return json.dumps(
         [
             {"name": event.name, "time": event.time, "position": event.state[POSITION].tolist()}
@@ -290,38 +288,36 @@ def _as_text(events: Sequence[Occurrence]) -> str:
 
 @dataclass
 class _Followed:
-    """Trajectory 0 of a thermal motion (`Walk`), as far as it has been computed."""
+    """Run with thermal motion (trajectory 0 of a `Walk`), as far as it has been computed."""
 
     bound: Walk
-    """the thermal motion: equations, scheme, steps and random numbers"""
+    """thermal motion: equations, scheme, steps and random numbers"""
     first: int
-    """index of the sample, in the whole motion, at which this run begins"""
+    """index, in the whole motion, of the first sample of this run"""
     state: Array
     """(1, state) state of the scheme at the last computed sample, advanced in place"""
     columns: Array
     """(1, samples, columns) output at the samples, filled up to `reached`"""
     watch: Watch
-    """search for events"""
+    """search for events during the motion"""
     reached: int = 1
-    """number of samples that are computed"""
+    """number of samples computed so far"""
     status: str = "complete"
     message: str = ""
     step_time: float = 0.0
     """time of the steps, s"""
     seen: list[Array] = dataclasses.field(default_factory=list)
-    """positions in the frames of a camera, (frames, axes) m for each piece of the motion"""
+    """positions in the frames of a camera, (frames, axes), m, for each piece of the motion"""
 
     def __post_init__(self) -> None:
-        """Set the times of the samples, s, and the number of force calls for each sample."""
+        """Set the times of the samples, s, and the number of force calls per sample."""
         self.times = self.bound.times[self.first :]
         self.end = self.state.copy()
         self.calls = self.bound.per_sample * self.bound.scheme.force_calls
 
     @classmethod
     def begin(cls, bound: Walk, begun: Continued | None, events: Sequence[Event]) -> _Followed:
-        """Return a run at its beginning: the release, or the last state of the run that it
-        continues.
-        """
+        """Return a run at its initial state: the release, or the end of the run it continues."""
         first = begun.sample if begun else 0
         state = bound.start(np.zeros(1, np.int64))
         columns = np.empty((1, len(bound.times) - first, bound.shown.width))
@@ -337,9 +333,9 @@ class _Followed:
         return float(self.bound.lost(self.state)[0])
 
     def follow(self, progress: Callable[[float], None] | None, *, watched: bool) -> None:
-        """Compute the motion up to its end, a loss, an event, an interrupt or a failure.
+        """Compute the motion until its end, a loss, an event, an interrupt or a failure.
 
-        progress: called with the time reached, s. watched: whether events are searched.
+        `progress` is called with the time reached, s. Events are searched if `watched`.
         """
         times, samples = self.times, len(self.times)
         at_once = max(1, _STEPS_AT_ONCE // self.bound.per_sample)
@@ -356,7 +352,7 @@ class _Followed:
                 if progress:
                     progress(float(times[last - 1]))
         except KeyboardInterrupt:
-            if self.reached == 1:  # as while it is compiled
+            if self.reached == 1:  # interrupted during compilation, for example
                 raise
             self.status = "interrupted"
             self.message = f"interrupted at {times[self.reached - 1]:.6g} s"
@@ -370,20 +366,18 @@ class _Followed:
             self.reached = int(np.isfinite(self.columns[0, : self.reached, POSITION.start]).sum())
 
     def _step(self, last: int, *, watched: bool) -> None:
-        """Compute the samples from `reached` up to index `last`. watched: whether events are
-        searched.
-        """
+        """Compute the samples from `reached` up to index `last`; search events if `watched`."""
         trajectory, piece = np.zeros(1, np.int64), self.columns[:, self.reached : last]
         at = self.first + self.reached - 1
         if not watched:
             self.seen.append(self.bound.filmed(self.state, trajectory, at, piece)[0])
             return
         ends, steps = self.bound.advance_by_steps(self.state, trajectory, at, piece)
-        held = int(np.isfinite(steps[0, :, POSITION.start]).sum())  # up to where it was lost
+        held = int(np.isfinite(steps[0, :, POSITION.start]).sum())  # until the bead was lost
         self.watch.look(Line(ends[:held], steps[0, :held]))
 
     def cut(self) -> tuple[Array, Array]:
-        """Return times (n,) s and output (n, columns) of the run, up to an event that ended it."""
+        """Return times (n,), s, and output (n, columns) of the run until an event that ended it."""
         times, samples = self.times, self.columns[0, : self.reached]
         if self.watch.last is not None:
             self.status, self.message = self.watch.status, self.watch.message
@@ -406,8 +400,8 @@ def _thermal_run(
 ) -> tuple[Run, Callable[[], None]]:
     """Return the run with thermal motion, trajectory 0 of the ensemble with the same seed.
 
-    The second result adds the missing errors to a run; here it does nothing. begun: run that this
-    one continues, or None.
+    The second result is a function that adds missing errors to a run, as for `motion_of`; here it
+    does nothing. `begun` is the run that this one continues, or None.
     """
     from tweezer.dynamics.walk import walk
 
@@ -459,12 +453,12 @@ def _thermal_run(
         return run, lambda: None
     frames = bound.exposure.frames
     places = np.concatenate([np.empty((0, len(frames.camera.axes))), *run_of.seen])
-    held = int(np.isfinite(places).all(axis=1).sum())  # up to where the bead was lost
+    held = int(np.isfinite(places).all(axis=1).sum())  # until the bead was lost
     return _filmed(run, frames, frames.times[:held], places[:held]), lambda: None
 
 
 def _warn_of_sticking(bound: Walk, motion: Motion) -> None:
-    """Warn if steps are too long for a bead that touched the wall: it may come off by mistake."""
+    """Warn if steps are too long for a bead that touched the wall: it may detach wrongly."""
     from tweezer.dynamics.beside_wall import rate_of_sticking
 
     rate = rate_of_sticking(bound.problem)
@@ -482,9 +476,9 @@ def _run(
     light: Wrench,
     attributes: dict[str, Any],
 ) -> Run:
-    """Return a run with motion and derived quantities at `times`, (n,) s.
+    """Return a run with motion and derived quantities at `times`, (n,), s.
 
-    light: force of the light at these times.
+    `light` is the optical force at these times.
     """
     coordinates: dict[str, Variable] = {
         "time": variable(("time",), times, "s", "time since release"),
@@ -500,9 +494,9 @@ def _run(
 
 
 def _filmed(run: Run, frames: Frames, times: Array, places: Array) -> Run:
-    """Return a run with the positions that its camera saw.
+    """Return a run with the positions that its camera recorded.
 
-    times: (frames,) s, middle of the exposures. places: (frames, axes) m.
+    `times` (frames,), s, are the middles of the exposures, and `places` is (frames, axes), m.
     """
     coordinates: dict[str, Variable] = {
         "frame_time": variable(
@@ -519,7 +513,7 @@ def _filmed(run: Run, frames: Frames, times: Array, places: Array) -> Run:
 
 
 def _about_the_run(problem: Problem, why: str) -> dict[str, Any]:
-    """Return the attributes that every run has. why: reason for the choice of model and method."""
+    """Return the attributes of every run; `why`: reason for the choice of model and method."""
     scene, medium = problem.scene, problem.scene.medium
     remembered = f", {medium.poles} poles" if medium.inertia == "memory" else ""
     others: dict[str, Any] = {}
@@ -546,7 +540,7 @@ def _adjusted(
     method: str | None,
     tolerance: float | None,
 ) -> Scene:
-    """Return a scene with the arguments of `simulate` that are given in place of its own keys."""
+    """Return a scene in which the arguments of `simulate` that are given replace its own keys."""
     given = {"duration": duration, "model": model, "method": method}
     changes: dict[str, object] = {key: each for key, each in given.items() if each is not None}
     if tolerance is not None:

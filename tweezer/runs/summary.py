@@ -36,11 +36,11 @@ if TYPE_CHECKING:
 
 #: Largest distance of a captured bead from the equilibrium, in radii
 CAPTURE_RADII = 0.1
-#: Outcomes of a bead that an equilibrium holds, or a ring
+#: Outcomes of a bead that is held by an equilibrium, or by a ring
 CAPTURED, ON_RING = "captured", "captured on a ring"
 
-#: Newton's method ends after so many steps, or after one shorter than this part of the distance
-#: from its start that is allowed
+#: Newton's method ends after this number of steps, or after a step shorter than this fraction of
+#: the allowed distance from its start
 _STEPS, _CLOSE = 30, 1e-10
 
 #: Largest number of positions on a path at which the force and its error are computed
@@ -187,7 +187,7 @@ def summarise(run: xr.Dataset) -> Summary:
 
 
 def summary_of(run: Run) -> Summary:
-    """Return the summary of a run; see `summarise`."""
+    """Return the summary of a run before it becomes a dataset; `summarise` describes it."""
     times, position = run["time"], run["position"]
     if "summary" in run.attributes:
         summary = _read(run.attributes["summary"])
@@ -217,11 +217,10 @@ def summary_of(run: Run) -> Summary:
 
 
 def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> Summary:
-    """Return the summary of a run from its path between samples; the error of the force is still
-    NaN.
+    """Return the summary of a run from its path between samples, with the error of the force NaN.
 
-    run: samples and attributes. integrated: the integration, with its path. budget: its errors,
-    with the finer run from which the errors of events follow.
+    `run` has samples and attributes, `integrated` is the integration with its path, and `budget`
+    contains its errors with the finer run from which the errors of events follow.
     """
     path = integrated.path
     assert path is not None
@@ -272,7 +271,7 @@ def stored(summary: Summary) -> str:
 
 
 def _read(text: str) -> Summary:
-    """Return the summary that a run contains. Raises `ResultError` if the text is not a summary."""
+    """Return the summary stored in a run; raise `ResultError` if the text is not a summary."""
     try:
         return TypeAdapter(Summary).validate_json(text)
     except ValidationError as error:
@@ -284,10 +283,11 @@ def _errors(
 ) -> Passage:
     """Return the errors of the events on a path, by comparison with a finer run; NaN without one.
 
-    here: events of the run. located: errors of locating them. budget: contains the finer run. rest:
-    (3,) position, or radius and height of a ring, where the bead settles, m. nearby: distance from
-    it within which it has settled, m. Each error is the difference to the finer run, times the
-    ratio of error to difference, plus both errors of locating.
+    `here` contains the events of the run, `located` the errors of locating them, and `budget` the
+    finer run. `rest` is the position (3,) where the bead settles, or radius and height of a ring,
+    m, and `nearby` the distance from it within which it has settled, m. Each error is the
+    difference from the finer run, times the ratio of error to difference, plus both errors of
+    locating.
     """
     finer = budget.finer
     if finer is None or finer.run.path is None:
@@ -301,21 +301,21 @@ def _errors(
 
 
 def force_error_along(path: Path) -> float:
-    """Return the largest error of the force of the light along the path, N."""
+    """Return the largest error of the optical force along the path, N."""
     light = path.equations.problem.light
     places, times = _places(path)
     return float(light.error_of(places, light.field(places, time=times), times).max())
 
 
 def _places(path: Path) -> tuple[Array, Array]:
-    """Return at most 1000 positions on a path, (n, 3) m, and their times, (n,) s."""
+    """Return at most 1000 positions on a path, (n, 3), m, and their times, (n,), s."""
     times = path.checkpoints
     times = times[:: -(-len(times) // _PLACES)]
     return path.positions(times), times
 
 
 def _largest(vectors: Array) -> float:
-    """Return the largest length of vectors (n, 3)."""
+    """Return the largest magnitude of vectors (n, 3)."""
     return float(np.linalg.norm(vectors, axis=1).max())
 
 
@@ -336,10 +336,9 @@ def _outcome(
     """Return the outcome of a run, its time, where the bead settled, and the error of that
     position.
 
-    The time, s, is by the samples. The position, m, is (3,), or radius and height of a ring; its
-    error is in m.
-
-    times: (n,) s. position: (n, 3) m. bound: the scene, if its equations are bound already.
+    The time, s, follows from the samples. The position is (3,), or radius and height of a ring, m,
+    and so is its error. `times` (n,) are in s and `position` (n, 3) in m. `bound` is the scene with
+    its equations, if they are bound already.
     """
     if "status" not in run.attributes:
         raise ResultError("not a run: it has no attribute status")
@@ -367,7 +366,7 @@ def _outcome(
 def _too_shallow(problem: Problem, outcome: str, rest: Array) -> bool:
     """Return whether an equilibrium or a ring is too shallow to hold a bead in thermal motion.
 
-    rest: (3,) position of the equilibrium, or (2,) radius and height of the ring, m.
+    `rest` is the position (3,) of the equilibrium, or radius and height (2,) of the ring, m.
     """
     about = problem.scene, problem.search, problem.net_force
     if outcome == CAPTURED:
@@ -384,12 +383,11 @@ def _sought(scene: Scene) -> float:
 def _stable_equilibrium(
     problem: Problem, settled: Array, time: float, reach: float
 ) -> tuple[Array, float] | None:
-    """Return the stable equilibrium near the mean of positions, (3,) m, and its error, m.
+    """Return the stable equilibrium near the mean of positions, (3,), m, and its error, m.
 
-    It is the zero of all forces but drag at `time`, s, by Newton's method; the last step is its
-    error. Returns None if there is none within `reach`, m, or if a bead beside it would not return.
-
-    settled: (n, 3) m, positions at the end of the run.
+    It is the zero of all forces except drag at `time`, s, found by Newton's method, and the last
+    step is its error. `settled` (n, 3), m, are positions at the end of the run. Returns None if
+    there is no equilibrium within `reach`, m, or if it is not stable.
     """
     place = settled.mean(axis=0)
     rest, step = place, np.full(3, math.inf)
@@ -410,10 +408,10 @@ def _stable_equilibrium(
 
 
 def _ring(problem: Problem, settled: Array, reach: float) -> tuple[Array, float] | None:
-    """Return the ring near the mean of positions, as (2,) radius and height, m, and its error, m.
+    """Return the ring near the mean of positions, as radius and height (2,), m, and its error, m.
 
-    Returns None if there is none within `reach`, m, or if a bead does not stay on it. settled: (n,
-    3) m, positions at the end of the run.
+    Returns None if there is no ring within `reach`, m, or if a bead does not stay on it. `settled`
+    (n, 3), m, are positions at the end of the run.
     """
     if not problem.round_axis:
         return None
@@ -431,9 +429,9 @@ def _ring(problem: Problem, settled: Array, reach: float) -> tuple[Array, float]
 
 
 def _overshoot(position: Array) -> float:
-    """Return the largest excursion across the axis, on the side away from the start, m.
+    """Return the largest excursion across the axis, on the side opposite to the release, m.
 
-    It is 0 for a start on the axis. position: (n, 3) m.
+    It is 0 for a release on the axis. `position` is (n, 3), m.
     """
     lateral = position[:, :2]
     distance = np.linalg.norm(lateral[0])
@@ -446,10 +444,10 @@ def _closest_approach(run: Run) -> tuple[float, float] | tuple[None, None]:
     """Return distance, m, and time, s, of the first closest approach to the focus; None without
     one.
 
-    They come from the events of the run, or else from its samples.
+    They come from the events of the run, or from its samples if there is no event.
     """
     for event in events_in(run.attributes):
-        within = run["time"][0] <= event.time <= run["time"][-1]  # of a part of a run too
+        within = run["time"][0] <= event.time <= run["time"][-1]  # `run` may be a part of a run
         if event.name == "closest approach" and within:
             return float(np.linalg.norm(event.position)), event.time
     distance = run["distance"]

@@ -20,7 +20,7 @@ from tweezer.values.printed import printed, with_error
 from tweezer.values.rounding import time_taken
 from tweezer.values.shown import Card, Row, Shown, Table
 
-#: Number of a2 per decade, from epsilon to 1, if none are given
+#: Number of factors a2 per decade, from epsilon to 1, if none are given
 _PER_DECADE = 3
 
 
@@ -150,9 +150,9 @@ def tune(
 
 
 def scaled_scenes(scene: Scene, factors: Sequence[float] | None, method: str) -> list[Scene]:
-    """Return the scenes that `tune` compares with the unscaled one, by descending factor a2.
+    """Return the scenes that `tune` compares with the unscaled one, in descending order of a2.
 
-    Raises `SceneError` if one of them is not valid. method: of integration.
+    `method` integrates them. Raises `SceneError` if one of them is not valid.
     """
     if factors is None:
         first = min(max(_epsilon(scene), 1e-12), 0.1)
@@ -173,17 +173,17 @@ def _epsilon(scene: Scene) -> float:
 
 @dataclass(frozen=True)
 class _Response:
-    """A deterministic run of a scene from its release, and its cost."""
+    """A run without thermal motion from the release, with its cost."""
 
     run: Integration
     error: float | None
-    """largest distance to the run with tighter tolerances, m; None if it is not known"""
+    """largest distance from the run with tighter tolerances, m; None if not known"""
     seconds: float
     """wall-clock time of the run, s"""
 
 
 def _response(scene: Scene) -> _Response:
-    """Integrate a scene with the clock running, and again to tighter tolerances for its error."""
+    """Integrate a scene and measure the time; repeat with tighter tolerances for the error."""
     equations = bind(scene)
     times = np.array([0.0, scene.simulation.duration])
     _uninterrupted(integrate(equations, times * 1e-3))  # compiles, untimed
@@ -200,7 +200,7 @@ def _response(scene: Scene) -> _Response:
 
 
 def _uninterrupted(run: Integration) -> Integration:
-    """Return the run, or raise `KeyboardInterrupt` if it was interrupted by Ctrl-C."""
+    """Return the run, or raise `KeyboardInterrupt` if Ctrl-C interrupted it."""
     if run.status == "interrupted":
         raise KeyboardInterrupt
     return run
@@ -209,8 +209,8 @@ def _uninterrupted(run: Integration) -> Integration:
 def _tuned(factor: float, response: _Response, exact: _Response) -> Tuned:
     """Return the cost of the scaled response with a2 = `factor`, and its distance from `exact`.
 
-    exact: response of the unscaled equations. The error is the sum of both integration errors and
-    that of the distance itself.
+    `exact` is the response of the unscaled equations. The error is the sum of both integration
+    errors and the error of the distance itself.
     """
     run, deviation, error = response.run, None, None
     assert exact.run.path is not None
