@@ -37,6 +37,7 @@ figures: .venv/.dev  ## every figure and number of the documentation again
 	$(BIN)/tweezer run thesis-990nm --plot docs/figures/thesis-990nm.png --overwrite
 	$(BIN)/tweezer trap silica-1um --plot docs/figures/trap-silica-1um.png
 	$(BIN)/python -m tests.pictures
+	$(BIN)/python docs/knobs.py
 	$(BIN)/tweezer trap silica-1um --heights "0.6 um" "10 um" --set lens.cover.refractive_index=1.518 \
 		--set "lens.cover.depth=3 um" --plot docs/figures/trap-over-heights.png
 	$(BIN)/tweezer run silica-1um --set forces.brownian=true --set optics.evaluator=map \

@@ -165,8 +165,8 @@ def test_at_a_terminal_it_asks_again_after_a_bad_answer(command_line, monkeypatc
     assert (scene.beam.wavelength, scene.beam.power_through_pupil) == (785e-9, 0.1)
 
 
-def test_the_first_minutes_show_what_it_writes(command_line):
-    page = (Path(__file__).parents[2] / "docs" / "first-minutes.md").read_text(encoding="utf-8")
+def test_the_page_about_the_first_trap_shows_the_written_scene(command_line):
+    page = (Path(__file__).parents[2] / "docs" / "first-trap.md").read_text(encoding="utf-8")
     (command,) = re.findall(r"(?s)^tweezer (new .*?[^\\\\])$", page, re.MULTILINE)[:1]
     shown = re.findall(r"(?ms)^```toml\n(.*?)^```$", page)[0]
     assert command_line(*shlex.split(command.replace("\\\n", ""))).code == 0
