@@ -308,7 +308,7 @@ def test_what_is_broken_fails(tmp_path):
         (tmp_path / name).mkdir()
     for name in (  # a page is enough
         "mkdocs.yml", "CHANGELOG.md", "CONTRIBUTING.md", "derivation/README.md", "docs/hooks.py",
-        "docs/plays.py", "docs/index.md",
+        "docs/plays.py", "docs/index.md", "docs/knobs.json",
     ):  # fmt: skip
         shutil.copy(ROOT / name, tmp_path / name)
     with (tmp_path / "docs/index.md").open("a") as page:
