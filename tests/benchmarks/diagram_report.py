@@ -34,14 +34,14 @@ TRAPPED = HELD, SHALLOW
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """Least powers; lifetimes and ensembles; the first row of each is that of the headings."""
+    """Return the tables of minimum powers and of lifetimes, with the headings in the first row."""
     return [
         [
             ["bead, um", *(f"{material}, {name}" for material in MATERIALS for name in TIMES)],
             *_least(results),
         ],
         [
-            ["held", "depth, kT", "lifetime, s", "ensemble, s", "off, sd"],
+            ["bead", "depth, kT", "lifetime, s", "ensemble, s", "deviation, sd"],
             *map(_against_ensemble, results["ensembles"]),
         ],
     ]
@@ -120,7 +120,7 @@ def _depths(panel: Axes, results: Results, found: Results) -> Any:
 
 
 def block(results: Results) -> str:
-    """Its part of the page, between its markers."""
+    """Return the block: counts of traps, the figure, minimum powers and checked lifetimes."""
     cases = len(results["diameters_m"]) * len(results["powers_W"])
     told = []
     for material, found in results["maps"].items():
@@ -133,8 +133,8 @@ def block(results: Results) -> str:
         )
         held = int(np.isin(outcomes, TRAPPED).sum())
         told.append(
-            f"of {cases:,} scenes with {material} {held:,} have a trap, and {short} of these "
-            "lose their bead within an hour"
+            f"With {material}, {held:,} of {cases:,} scenes have a trap, and {short} of these lose "
+            "their bead within an hour."
         )
     ratios = [
         each["powers_W"]["1 year"] / each["powers_W"]["1 h"]
@@ -149,23 +149,23 @@ def block(results: Results) -> str:
     )
     furthest = max(abs(off(each)) for each in results["ensembles"])
     explained = (
-        f"Between {1e3 * min(results['powers_W']):g} mW and {max(results['powers_W']):g} W, and "
-        f"{1e6 * min(results['diameters_m']):g} to {1e6 * max(results['diameters_m']):g} µm: "
-        f"{'; '.join(told)}. Least powers below are in mW, through the pupil; a "
-        f"year takes {min(ratios):.2g} to {max(ratios):.2g} times the power of an hour. "
-        f"The powers have errors of {100 * largest:.2g} % at most."
+        f"The range is {1e3 * min(results['powers_W']):g} mW to {max(results['powers_W']):g} W and "
+        f"{1e6 * min(results['diameters_m']):g} to {1e6 * max(results['diameters_m']):g} µm. "
+        f"{' '.join(told)} The table contains the minimum powers through the pupil in mW. Their "
+        f"errors are at most {100 * largest:.2g} %. A year requires {min(ratios):.2g} to "
+        f"{max(ratios):.2g} times the power of an hour."
     )
     checked = (
-        "Lifetimes that are short enough are held to ensembles of "
-        f"{results['ensembles'][0]['trajectories']:,} beads, which are "
-        f"{furthest:.1f} standard deviations off them at most:"
+        "Short lifetimes were compared with ensembles of "
+        f"{results['ensembles'][0]['trajectories']:,} beads. The largest deviation is "
+        f"{furthest:.1f} standard deviations:"
     )
     least, ensembles = tables(results)
     lines = [
         *textwrap.wrap(explained, 110), "",
-        "![Depth of the traps of polystyrene and silica beads over size and power]"
-        "(figures/bench-diagram.png)", "",
-        *pages.tables([least]), *textwrap.wrap(checked, 110), "", *pages.tables([ensembles]),
+        "![Trap depth of polystyrene and silica beads over size and power, with the minimum",
+        "power for an hour and for a year](figures/bench-diagram.png)", "",
+        *pages.tables([least]), *textwrap.wrap(checked, 110), "", *pages.tables([ensembles])[:-1],
     ]  # fmt: skip
     return pages.block("diagram", lines, results["machine"])
 

@@ -327,7 +327,14 @@ def beads() -> str:
                 f"{rounded(1e6 * run.attrs['model_error'])} µm",
             )
         )  # fmt: skip
-    headings = ("scene", "outcome", "overshoot", "steps", "force calls", "off the unscaled bead")
+    headings = (
+        "scene",
+        "outcome",
+        "overshoot",
+        "steps",
+        "force calls",
+        "distance to the unscaled bead",
+    )
     return "\n".join(["<!-- bench-beads -->", *pages.markdown(headings, rows), "<!-- end -->"])
 
 

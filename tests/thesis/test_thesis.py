@@ -86,7 +86,9 @@ def test_every_figure_of_the_thesis_has_a_counterpart():
         # the thesis has its figures in threes: 500, 990 and 1950 nm
         assert bead == ("500nm", "990nm", "1950nm")[(int(number.split(".")[1]) - 1) % 3]
     shown = set(
-        re.findall(r"figures/thesis/figure-([\dC.]+)\.png", (DOCS / "thesis.md").read_text())
+        re.findall(
+            r"figures/thesis/figure-([\dC.]+)\.png", (DOCS / "thesis-figures.md").read_text()
+        )
     )
     assert (
         shown
