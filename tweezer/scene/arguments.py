@@ -1,4 +1,4 @@
-"""Arguments of runs and ensembles, checked before anything heavy is loaded or computed."""
+"""Checks of the arguments of runs and ensembles, before large imports and computations."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from distributed import Client
     from numpy.typing import NDArray
 
-#: trajectories of an ensemble
+#: Largest number of trajectories of an ensemble
 _MOST = 10**9
 
 
@@ -28,9 +28,9 @@ def in_si(
     high: float = math.inf,
     error: type[TweezerError] = SceneError,
 ) -> float:
-    """Return an argument in its SI unit, from `low` to `high`; see `tweezer.values.units.to_si`.
+    """Return an argument in its SI unit, which must be from `low` to `high`.
 
-    Raises `error`, which names the argument.
+    It is converted by `tweezer.values.units.to_si`. Raises `error`, which names the argument.
     """
     try:
         return to_si(value, unit, low, high)
@@ -41,7 +41,7 @@ def in_si(
 def numbers_in_si(
     name: str, values: Any, unit: str, error: type[TweezerError] = ResultError
 ) -> NDArray[np.float64]:
-    """Return an array argument in SI units; see `tweezer.values.units.array_in_si`."""
+    """Return an array argument in SI units, converted by `tweezer.values.units.array_in_si`."""
     try:
         return array_in_si(values, unit)
     except ValueError as refused:
@@ -55,7 +55,7 @@ def check_seed(seed: int) -> None:
 
 
 def check_run(scene: Scene, seed: int | None) -> None:
-    """Raise `SceneError` for an invalid seed, or one for a run that draws no random numbers."""
+    """Raise `SceneError` for an invalid seed, or a seed for a run without random numbers."""
     if seed is None:
         return
     if not scene.draws:
@@ -101,9 +101,9 @@ def check_ensemble(
 
 
 def samples_skipped(scene: Scene, skip: QuantityLike) -> int:
-    """Return the index of the first sample not before `skip`, in s or text.
+    """Return the index of the first sample not before `skip`, s or text.
 
-    Raises `SceneError` if fewer than two samples are left.
+    Raises `SceneError` if fewer than two samples remain.
     """
     import numpy as np
 
@@ -117,12 +117,12 @@ def samples_skipped(scene: Scene, skip: QuantityLike) -> int:
 
 
 def name_last(record: Any) -> Any:
-    """Let a dataclass with the keyword `name` also take the name first, as earlier releases did."""
+    """Let a dataclass with the keyword `name` accept the name first, as in earlier releases."""
     made = record.__init__
 
     @functools.wraps(made)
     def init(self: Any, *given: Any, **named: Any) -> None:
-        """Initialise the dataclass; a text as the first argument is its name, with a warning."""
+        """Initialise the dataclass; text as the first argument is its name and gives a warning."""
         if given and isinstance(given[0], str):
             kind = record.__name__
             warn(

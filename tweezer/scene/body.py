@@ -7,7 +7,7 @@ from typing import Any
 
 
 class Body(ABC):
-    """A rigid body: size, mass, inertia and gap to a plane; `Bead.body` returns that of a scene."""
+    """A rigid body, with size, mass, inertia and gap to a plane; a scene's is `Bead.body`."""
 
     size: float
     """length scale, m: the radius of a sphere"""
@@ -20,18 +20,18 @@ class Body(ABC):
 
     @abstractmethod
     def support(self, normal: float = 1.0, orientation: Any = None) -> Any:
-        """Return the distance, m, of the centre from a plane across the light that is touched.
+        """Return the distance of the centre from a plane across the light that the body touches, m.
 
         Parameters
         ----------
         normal : float
             Direction along z from the plane to the body, 1 or -1.
         orientation : array_like, shape (..., 4), optional
-            Euler parameters; those at the start of a scene if not given.
+            Euler parameters. Default: the initial orientation in a scene.
         """
 
     def gap(self, plane: tuple[float, float], z: Any, orientation: Any = None) -> Any:
-        """Return the distance of the surface from a plane, m; negative within it.
+        """Return the distance of the surface from a plane, m, negative if the plane cuts the body.
 
         Parameters
         ----------

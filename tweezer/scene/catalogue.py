@@ -1,4 +1,4 @@
-"""Common objectives and lasers of optical traps; docs/materials.md says what was checked."""
+"""Common objectives and lasers of optical traps; docs/materials.md describes the sources."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 
 class Objective(NamedTuple):
-    """An objective of infinite tube length."""
+    """An objective corrected for an infinite tube length."""
 
     name: str
-    """magnification, numerical aperture and immersion, as they are engraved"""
+    """magnification, numerical aperture and immersion, as engraved on the objective"""
     magnification: float
     numerical_aperture: float
     immersion: str
@@ -17,11 +17,11 @@ class Objective(NamedTuple):
     tube_lens: float
     """focal length of the maker's tube lens, m"""
     example: str
-    """an objective of a maker that has these numbers"""
+    """a commercial objective with these numbers"""
 
     @property
     def focal_length(self) -> float:
-        """Focal length, m: that of the tube lens over the magnification."""
+        """Focal length, m: that of the tube lens divided by the magnification."""
         return self.tube_lens / self.magnification
 
     @property
@@ -31,7 +31,7 @@ class Objective(NamedTuple):
 
 
 class Laser(NamedTuple):
-    """A laser line of optical traps."""
+    """A laser line used in optical traps."""
 
     name: str
     wavelength: float
@@ -39,7 +39,7 @@ class Laser(NamedTuple):
     power: str
     """power through the pupil that `tweezer new` uses if none is given"""
     kind: str
-    """laser medium in words"""
+    """description of the laser medium"""
 
 
 #: Refractive index of immersion oil and cover glass (ISO 8036 has 1.518 at 546 nm)

@@ -1,4 +1,4 @@
-"""Sections of a scene for the motion of a beam and the change of its power in time."""
+"""Sections of a scene for the motion of a beam and the modulation of its power."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ Factors = Annotated[tuple[Factor, ...], entries(1, 100_000)]
 
 
 class Section(BaseModel):
-    """Base of a part of a scene: immutable, and without unknown keys."""
+    """Base of a section of a scene: immutable, and without unknown keys."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
@@ -50,18 +50,18 @@ class Section(BaseModel):
 
 
 def refusal(reason: str) -> PydanticCustomError:
-    """Return the error of a scene with this reason, in one line."""
+    """Return the Pydantic error of a scene for a reason, in one line."""
     return PydanticCustomError("scene", "{reason}", {"reason": reason})
 
 
 class _Course(Section):
-    """Base of a course in time of a position or a power: its kind, and the keys that it needs."""
+    """Base of a time course of a position or a power: its kind, and the keys of this kind."""
 
     kind: str
 
     @property
     def last_change(self) -> float:
-        """Time after which nothing changes any more, s; infinite if it goes on for ever."""
+        """Time after which nothing changes, s; infinite if changes never end."""
         if getattr(self, "period", None) is not None:
             return math.inf
         times, end = getattr(self, "times", None), getattr(self, "end", None)
@@ -69,7 +69,7 @@ class _Course(Section):
 
     @model_validator(mode="after")
     def _keys_of_the_kind(self) -> Self:
-        """Refuse keys that the kind of course does not have, and a lack of those that it needs."""
+        """Refuse keys that do not belong to the kind of course, and missing required keys."""
         needed, possible = _KEYS[type(self).__name__][self.kind]
         for key in type(self).model_fields:
             if key == "kind":
@@ -83,7 +83,7 @@ class _Course(Section):
 
     @model_validator(mode="after")
     def _sound(self) -> Self:
-        """Refuse times that do not ascend or differ in number from the values, and ends out of
+        """Refuse times that do not ascend, times and values that differ in number, and ends out of
         order.
         """
         key, _ = _COLUMNS[type(self).__name__.lower()]
@@ -102,7 +102,7 @@ class _Course(Section):
         return self
 
 
-#: keys that each kind needs, and that it may have
+#: Keys that each kind requires, and keys that it may have
 _KEYS: dict[str, dict[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
     "Motion": {
         "sine": (("amplitude", "frequency"), ("phase",)),
@@ -121,7 +121,7 @@ _KEYS: dict[str, dict[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
 
 
 class Motion(_Course):
-    """Where a beam is, beside its `position`, in time."""
+    """Motion of a beam in time, relative to its `position`."""
 
     kind: Literal["sine", "ramp", "steps", "table"] = Field(
         description="sine: amplitude sin(2 pi frequency t + phase); ramp: at `velocity` from "
@@ -149,7 +149,7 @@ class Motion(_Course):
 
 
 class Modulation(_Course):
-    """The factor of a beam's power in time."""
+    """Factor of a beam's power in time."""
 
     kind: Literal["sine", "ramp", "steps", "on-off", "table"] = Field(
         description="sine: 1 + depth sin(2 pi frequency t + phase); ramp: from 1 at `begin` to "
@@ -174,16 +174,15 @@ class Modulation(_Course):
     )
 
 
-#: key of the numbers after the time in a row of a file, and how many they are
+#: Key of the values that follow the time in each row of a file, and their number
 _COLUMNS = {"motion": ("positions", 3), "modulation": ("factors", 1)}
 
 
 def with_tables(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Return the data of a scene with the tables from files that its beams name, relative to a
-    folder.
+    """Return the data of a scene with the tables from files that its beams name.
 
-    A row of the CSV file is a time, s, and then x, y, z, m, or a factor; the first row may be a
-    heading. Raises `ValueError`.
+    File names are relative to `folder`. A row of the CSV file has a time, s, and then x, y, z, m,
+    or a factor. The first row may be a heading. Raises `ValueError` for an invalid file.
     """
     return {
         key: _with_tables_of(key, value, folder) if key.partition("[")[0] == "beam" else value
@@ -214,7 +213,7 @@ def _with_tables_of(name: str, beam: Any, folder: Path) -> Any:
 def _rows(path: Path, columns: int) -> list[list[float]]:
     """Return the rows of numbers in a CSV file, without its heading.
 
-    columns: number of numbers that each row must have.
+    `columns` is the number of values that each row must have.
     """
     try:
         lines = [line for line in csv.reader(StringIO(read_text(path), newline="")) if line]
@@ -226,7 +225,7 @@ def _rows(path: Path, columns: int) -> list[list[float]]:
         try:
             row = [float(each) for each in line]
         except ValueError:
-            if number == 1:  # a heading
+            if number == 1:  # headings
                 continue
             raise ValueError(f"{path}, row {number}: must be numbers") from None
         if len(row) != columns:

@@ -26,12 +26,12 @@ from tweezer.scene.theory import Choice, chosen_theory
 from tweezer.values.errors import SceneError
 from tweezer.values.units import to_si
 
-#: Distance of a wall from the bead's centre from which on memory leaves it out, in radii
+#: Distance of a wall from the bead's centre, in radii, from which the memory neglects it
 FREE = 20.0
 
 
 class Description(Section):
-    """The keys of a scene, and what follows from them. `Scene` is one that has been checked."""
+    """The keys of a scene, with derived quantities. `Scene` is a description that was checked."""
 
     name: str = Field(
         "scene",
@@ -72,9 +72,7 @@ class Description(Section):
 
     @property
     def plain(self) -> bool:
-        """Whether there is a single beam, along +z through the origin, that does not change in
-        time.
-        """
+        """Whether there is only one beam, along +z through the origin, constant in time."""
         beam = self.beam
         still = beam.motion is None and beam.modulation is None
         return not self.more_beams and still and beam.direction == "up" and not any(beam.position)
@@ -86,18 +84,18 @@ class Description(Section):
 
     @property
     def last_change(self) -> float:
-        """Time after which no beam moves or changes any more, s; 0 if none does."""
+        """Time after which no beam moves or changes any more, s; 0 if none ever does."""
         courses = [each for beam in self.beams for each in (beam.motion, beam.modulation) if each]
         return max((each.last_change for each in courses), default=0.0)
 
     def allows(self, by: Evaluator) -> bool:
-        """Return whether the light has the symmetry that an evaluator needs in its theory."""
+        """Return whether the light has the symmetry that an evaluator requires."""
         linear = any(beam.polarisation == "linear" for beam in self.beams)
         return not (self.theory in by.symmetric and linear)
 
     @property
     def start_position(self) -> tuple[float, float, float]:
-        """Position at which the bead is released, m from the focus."""
+        """Position at which the bead is released, relative to the focus, m."""
         x, y, z = self.start.position
         if self.start.frame == "lens":
             z -= self.lens.focal_length or 0.0
@@ -113,25 +111,24 @@ class Description(Section):
 
     @property
     def lag(self) -> float:
-        """Delay 2 sqrt(tau_f t/pi) at the end t of the run, s, due to the memory of the fluid.
+        """Delay 2 sqrt(tau_f t/pi) at the end t of the run, s, due to hydrodynamic memory.
 
-        Times the bead's speed it is the distance by which the bead is behind one in a fluid without
-        inertia, where the force changes slowly; tau_f is `vorticity_time`.
+        tau_f is `vorticity_time`. Multiplied by the bead's speed, it is the distance by which the
+        bead lags behind one in a fluid without inertia, if the force changes slowly.
         """
         return 2 * math.sqrt(self.vorticity_time * self.simulation.duration / math.pi)
 
     def gap(self, z: Any) -> Any:
-        """Return the distance between wall and surface of the bead, m, with its centre at z, m from
-        the focus.
+        """Return the distance between wall and surface of the bead, m, for its centre at height z.
 
-        Raises `SceneError` for a scene without a wall.
+        `z` is measured from the focus, m. Raises `SceneError` for a scene without a wall.
         """
         if self.wall is None:
             raise SceneError("wall: the scene has none")
         return self.body.gap((self.wall.position, self.wall.normal), z)
 
     def room(self, z: Any) -> Any:
-        """Return the distance from the bead's surface to the nearer of both walls, m; see `gap`."""
+        """Return the distance between the bead's surface and the nearer of both walls, m."""
         gap = self.gap(z)
         if self.wall is None or self.wall.opposite is None:
             return gap
@@ -142,23 +139,23 @@ class Description(Section):
 
     @property
     def free_of_walls(self) -> float:
-        """Distance from the focus within which no wall is nearer than 20 radii, m."""
+        """Distance from the focus within which the bead is 20 radii or more from walls, m."""
         return float(self.room(0.0)) - (FREE - 1) * self.body.size if self.wall else math.inf
 
     @property
     def draws(self) -> bool:
-        """Whether the run draws random numbers, so that it takes a seed."""
+        """Whether the run draws random numbers, so that it accepts a seed."""
         return self.forces.brownian or (self.camera is not None and any(self.camera.noises))
 
     @property
     def rotates(self) -> bool:
-        """Whether anything turns the bead; if not, rotation is not computed."""
+        """Whether anything rotates the bead; otherwise rotation is not computed."""
         turned = self.turned_by_light or any(self.start.angular_velocity)
         return turned or self.forces.brownian_torque
 
     @property
     def turned_by_light(self) -> bool:
-        """Whether the light exerts a torque: with rays that of the thesis, with waves by
+        """Whether the light exerts a torque: in ray optics that of the thesis, in wave optics by
         absorption.
         """
         if self.theory == "waves":
@@ -177,7 +174,7 @@ class Description(Section):
 
     @property
     def _theory(self) -> Choice:
-        """Choice of the theory and its reason; rays without light."""
+        """Choice of the theory with its reason; ray optics for a scene without light."""
         if not self.lit:
             return Choice("rays", "no light")
         return chosen_theory(
@@ -191,18 +188,18 @@ class Description(Section):
 
     @property
     def table_radii(self) -> float:
-        """Reach of the force map from the focus, in radii of the bead."""
+        """Range of the force map from the focus, in bead radii."""
         reach = self.optics.table_range
         return to_si(reach, "m") / self.body.size if isinstance(reach, str) else reach
 
     @property
     def table_reach(self) -> float:
-        """Reach of the force map from the focus, m."""
+        """Range of the force map from the focus, m."""
         reach = self.optics.table_range
         return to_si(reach, "m") if isinstance(reach, str) else reach * self.body.size
 
     @property
     def lit(self) -> bool:
-        """Whether any beam has power, and its force acts."""
+        """Whether any beam has power and optical forces act."""
         lit = any(beam.power or beam.power_through_pupil for beam in self.beams)
         return self.forces.optical and lit

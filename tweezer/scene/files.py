@@ -13,7 +13,7 @@ from tweezer.values.files import read_text
 from tweezer.values.saved import kind_of_file
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
-#: Errors of `tomllib`: its own, and those for numbers too long and lists too deep
+#: Errors of `tomllib`: its own, and those for numbers that are too long or nesting too deep
 NOT_TOML = (ValueError, RecursionError)
 
 
@@ -23,10 +23,9 @@ def shipped_scenes() -> dict[str, Path]:
 
 
 def read_scene(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the data of a shipped scene or a TOML file, with and without the content of its
-    tables.
+    """Return the data of a shipped scene or a TOML file, with and without its tables from files.
 
-    Raises `SceneError`.
+    Raises `SceneError` if there is no such scene or it cannot be read.
     """
     if not name:
         raise SceneError("no scene is named: must be a shipped scene or a TOML file")

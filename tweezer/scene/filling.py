@@ -1,5 +1,5 @@
-"""Values that are filled in before a scene is checked: those of names, and the position of the
-wall.
+"""Values that are filled in before a scene is checked: properties of named materials, and the
+position of the wall.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from tweezer.values.units import TEMPERATURE, to_si
 def filled_in(data: dict[str, Any]) -> dict[str, Any]:
     """Return the data of a scene with the values that follow from names, materials and the cover.
 
-    data: values of a scene by section and key, as given. A section lists the keys that were filled
-    in under `FILLED`.
+    `data` has values by section and key, as given by the user. The filled keys of a section are
+    listed under `FILLED`.
     """
     data = _wall_of_the_cover(_several_beams(data))
     _refuse_names_of_indices(data)
@@ -31,14 +31,14 @@ def filled_in(data: dict[str, Any]) -> dict[str, Any]:
 def _of_water(data: Mapping[str, Any], medium: Mapping[str, Any], *, indexed: bool) -> Water:
     """Return the properties of water for the data of a scene.
 
-    indexed: whether the index at the wavelength of its beams is needed. Invalid data gives
-    placeholders, because the check of the keys reports the error later.
+    The refractive index at the wavelength of the beams is included only if `indexed`. Invalid data
+    gives placeholders, because the check of the keys reports the error later.
     """
     try:
         temperature = to_si(medium.get("temperature"), "K", *TEMPERATURE)
         wavelengths = _wavelengths(data)
     except (ValueError, AttributeError):
-        return Water(1000.0, 1e-3, 1.33)  # what is wrong is found where the keys are read
+        return Water(1000.0, 1e-3, 1.33)  # the check of the keys reports the error
     try:
         return water(temperature, *wavelengths[:1] if indexed else ())
     except ValueError as error:
@@ -61,11 +61,11 @@ def _wavelengths(data: Mapping[str, Any]) -> list[float]:
 
 
 def _refuse_names_of_indices(data: Mapping[str, Any]) -> None:
-    """Refuse all names that stand for an index if the beams have several wavelengths."""
+    """Refuse names that stand for a refractive index if the beams have several wavelengths."""
     try:
         wavelengths = _wavelengths(data)
     except (ValueError, AttributeError):
-        return  # what is wrong is found where the beams are read
+        return  # the check of the beams reports the error
     if max(wavelengths) == min(wavelengths):
         return
     bead, medium = data.get("bead"), data.get("medium")
@@ -106,7 +106,7 @@ def _with_material(
 ) -> dict[str, Any]:
     """Return the data of a bead or layer with its material's index, and `density` if it has none.
 
-    data: of the whole scene. name: of the part, for messages.
+    `data` are the data of the whole scene, and `name` is the name of the part, for messages.
     """
     filled: dict[str, Any] = {}
     if part.get("density") is None and density is not None:
@@ -121,13 +121,13 @@ def _with_material(
 def _index_of(material: Material, data: Mapping[str, Any], name: str) -> complex:
     """Return the index of a material at the wavelength of the beams in the data of a scene.
 
-    Invalid data gives a placeholder, because the check of the keys reports the error later. name:
-    of the part with this material, for messages.
+    Invalid data gives a placeholder, because the check of the keys reports the error later. `name`
+    is the name of the part with this material, for messages.
     """
     try:
         wavelengths = _wavelengths(data)
     except (ValueError, AttributeError):
-        return 1.5 + 0j  # what is wrong is found where the beams are read
+        return 1.5 + 0j  # the check of the beams reports the error
     try:
         return material.refractive_index(wavelengths[0])
     except ValueError as error:
@@ -137,7 +137,7 @@ def _index_of(material: Material, data: Mapping[str, Any], name: str) -> complex
 
 
 def _mean_density(layers: Sequence[Mapping[str, Any]]) -> float | None:
-    """Return the mean density of a bead whose layers all have a material, kg/m^3; None for others.
+    """Return the mean density of a bead whose layers all have a material, kg/m^3; otherwise None.
 
     Invalid layers give a placeholder, because the check of the keys reports the error later.
     """
@@ -150,7 +150,7 @@ def _mean_density(layers: Sequence[Mapping[str, Any]]) -> float | None:
             for each in layers
         ]
     except (KeyError, ValueError):
-        return 1000.0  # what is wrong is found where the layers are read
+        return 1000.0  # the check of the layers reports the error
     cubes = [0.0, *(radius**3 for radius in radii)]
     shells = [b - a for a, b in itertools.pairwise(cubes)]
     mass = sum(of.density * shell for of, shell in zip(made_of, shells, strict=True) if of)
@@ -158,7 +158,7 @@ def _mean_density(layers: Sequence[Mapping[str, Any]]) -> float | None:
 
 
 def _medium_by_name(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the data of a scene with the properties of the named medium, where it has no own."""
+    """Return the data of a scene with missing properties of a named medium filled in."""
     medium = data.get("medium")
     if not isinstance(medium, dict) or medium.get("name") != "water":
         return data
@@ -182,12 +182,12 @@ def _wall_of_the_cover(data: dict[str, Any]) -> dict[str, Any]:
         depth = cover.get("depth") if isinstance(cover, dict) else cover.depth
         position = -to_si(depth, "m")
     except (ValueError, AttributeError):
-        return data  # what is wrong is found where the cover is read
+        return data  # the check of the cover reports the error
     return {**data, "wall": {**wall, "position": position, FILLED: ["position"]}}
 
 
 def _several_beams(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the data with all beams of a list but the first in `more_beams`."""
+    """Return the data with all beams after the first moved to `more_beams`."""
     if isinstance(beams := data.get("beam"), list | tuple):
         if not beams:
             raise refusal("beam: at least one is needed")

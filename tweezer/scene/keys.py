@@ -1,4 +1,4 @@
-"""Names of the keys of a scene: kinds of sections, familiar words, and changes to a section."""
+"""Names of the keys of a scene: kinds of sections, alternative words, and changes to a section."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import Any, get_args
 from tweezer.scene.courses import Section
 from tweezer.scene.sections import ALTERNATIVES, BELONGING, NAMED, WITHIN_LAYERS
 
-#: Key that a section stores when the scene file gives its alternative, such as ("bead", "diameter")
-#: -> "radius" and ("beam", "waist") -> "sigma"; lengths are stored as half of the alternative
+#: Stored key for the alternative in a scene file, such as ("bead", "diameter") -> "radius" and
+#: ("beam", "waist") -> "sigma"; stored lengths are half of the alternative
 HALVES = {(section, other): key for section, pairs in ALTERNATIVES.items() for key, other in pairs}
-#: One of several beams, counted from 1
+#: Pattern of one of several beams, counted from 1
 NUMBERED = re.compile(r"beam\[([1-9][0-9]*)\]")
-#: Words that people use for keys of a scene, by section
+#: Alternative words for keys of a scene, by section
 FAMILIAR = {
     "bead": {
         "size": "diameter", "d": "diameter", "a": "radius", "r": "radius", "n": "refractive_index",
@@ -33,7 +33,7 @@ FAMILIAR = {
 
 
 def familiar(section: str, name: str) -> str:
-    """Return the key of a section that a word such as NA stands for, or the word itself."""
+    """Return the key of a section that a word such as NA denotes, or the word itself."""
     words = {word.lower(): key for word, key in FAMILIAR.get(kind_of(section), {}).items()}
     return words.get(name.lower(), name)
 
@@ -41,7 +41,8 @@ def familiar(section: str, name: str) -> str:
 def nearest_key(section: str, name: str, keys: Iterable[str]) -> list[str]:
     """Return a list with the key that an unknown `name` probably means, or an empty list.
 
-    section: its kind. keys: those that the section stores; their alternatives are considered too.
+    `section` is the kind of section. `keys` are the stored keys; alternatives to them are
+    considered too.
     """
     if (key := familiar(section, name)) != name:
         return [key]
@@ -60,14 +61,14 @@ def section_of(annotation: Any) -> Any:
 
 
 def kind_of(section: str) -> str:
-    """Return the kind of a section from its name: "beam" for "beam[2]", else the name itself."""
+    """Return the kind of a section from its name: "beam" for "beam[2]", otherwise the name."""
     return "beam" if NUMBERED.fullmatch(section) else section
 
 
 def by_key(scene: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of a scene by `section.key`, and those of several beams by `beam[1].key`.
+    """Return the values of a scene by `section.key`; those of several beams by `beam[1].key`.
 
-    scene: its sections as mappings, by name, as TOML or JSON have them.
+    `scene` has its sections as mappings by name, as in TOML or JSON.
     """
     sections = dict(scene.items())
     if more := sections.pop("more_beams", ()):
@@ -84,7 +85,7 @@ def by_key(scene: Mapping[str, Any]) -> dict[str, Any]:
 def changed_section(before: Any, section: str, changes: Any) -> Any:
     """Return a section of a scene with changes, without the keys that the changes displace.
 
-    before, changes: mappings of keys to values. If one of them is something else, such as a list
+    `before` and `changes` are mappings of keys to values. If one of them is not, for example a list
     of beams, the changes replace the section.
     """
     if not isinstance(changes, Mapping) or not isinstance(before, dict):
@@ -94,9 +95,9 @@ def changed_section(before: Any, section: str, changes: Any) -> Any:
 
 
 def _within(before: Any, change: Any) -> Any:
-    """Return a section within a section with changes to its keys, or `change` in its place.
+    """Return a nested section with changes to its keys, or `change` in its place.
 
-    It is replaced if the change names a kind, such as another kind of motion, or is no mapping.
+    It is replaced if the change names a kind, such as another kind of motion, or is not a mapping.
     """
     if isinstance(change, Mapping) and isinstance(before, dict) and "kind" not in change:
         return {**before, **change}
@@ -104,10 +105,11 @@ def _within(before: Any, change: Any) -> Any:
 
 
 def _displaced(key: str, section: str, changes: Mapping[str, Any]) -> bool:
-    """Return whether `changes` to a section displace a `key` that it has.
+    """Return whether `changes` to a section displace its existing `key`.
 
-    A new diameter displaces the radius, a new material its old index and density, and layers the
-    keys of a homogeneous bead. A new choice displaces the keys that belong to other choices.
+    A new diameter displaces the radius, and a new material displaces the old index and density.
+    Layers displace the keys of a homogeneous bead. A new choice displaces the keys that belong to
+    other choices.
     """
     for pair in ALTERNATIVES.get(section, ()):
         if key in pair and set(pair) & set(changes):

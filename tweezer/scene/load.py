@@ -17,9 +17,9 @@ SceneLike = Scene | str | Path | Mapping[str, Any]
 
 
 def checked_scene(scene: SceneLike) -> Scene:
-    """Return the scene that an argument is or names (see `load_scene`).
+    """Return the scene that an argument is or names, as `load_scene` does.
 
-    Raises `SceneError` if it is no scene and names none.
+    Raises `SceneError` if it neither is a scene nor names one.
     """
     if isinstance(scene, Scene):
         return scene

@@ -1,6 +1,6 @@
 """Materials of beads: refractive index by wavelength, and density, from published measurements.
 
-The numbers, with their sources, are in materials.toml.
+The numbers and their sources are in materials.toml.
 """
 
 from __future__ import annotations
@@ -20,30 +20,30 @@ class Material(NamedTuple):
 
     name: str
     formula: str
-    """form of the refractive index: "sellmeier", "powers", "value" or "table"; see
-    `refractive_index`"""
+    """formula of the refractive index, which `refractive_index` evaluates: "sellmeier", "powers",
+    "value" or "table\""""
     numbers: list[list[float]]
     """coefficients of the formula, or rows of the table: wavelength, um, n and k"""
     measured: tuple[float, float]
     """range of vacuum wavelengths of the measurement, um"""
     used: tuple[float, float]
-    """range of vacuum wavelengths for which an index is given, um"""
+    """range of vacuum wavelengths in which an index is provided, um"""
     error: float
-    """rough difference from other published values of the index"""
+    """approximate difference from other published values of the index"""
     source: str
     cited: str
-    """source, in short"""
+    """short form of the source"""
     note: str
     density: float
-    """kg/m^3"""
+    """mean density, kg/m^3"""
     density_source: str
     aliases: tuple[str, ...] = ()
-    """other words that people use for it"""
+    """alternative names of the material"""
 
     def refractive_index(self, wavelength: float) -> complex:
-        """Refractive index n + jk at a vacuum wavelength, m.
+        """Return the refractive index n + jk at a vacuum wavelength, m.
 
-        Raises `ValueError`, saying the range, where it is not known.
+        Raises `ValueError` with the range if the wavelength is outside it.
         """
         low, high = self.used
         um = scaled(wavelength, "um")
@@ -52,9 +52,9 @@ class Material(NamedTuple):
                 f"the index of {self.name} is known from {low:g} to {high:g} um, not at {um:g} um"
             )
         match self.formula:
-            case "sellmeier":  # n^2 = 1 + sum of B l^2/(l^2 - C)
+            case "sellmeier":  # n^2 = 1 + sum of B l^2/(l^2 - C), l: wavelength
                 return complex(math.sqrt(1 + sum(b * um**2 / (um**2 - c) for b, c in self.numbers)))
-            case "powers":  # n^2 = sum of c l^p
+            case "powers":  # n^2 = sum of c l^p, l: wavelength
                 return complex(math.sqrt(sum(c * um**power for c, power in self.numbers)))
             case "value":
                 return complex(self.numbers[0][0])

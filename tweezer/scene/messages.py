@@ -1,4 +1,4 @@
-"""Messages on bad values of a scene, a line each, and on numbers without a unit."""
+"""Messages on invalid values of a scene, one line each, and on numbers without a unit."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tweezer.scene.keys import HALVES, NUMBERED, kind_of, nearest_key, section_o
 from tweezer.scene.sections import ALTERNATIVES, NAMED
 from tweezer.values.units import as_given, quantity_of
 
-#: Words and numbers that mean true or false, as a scene file does not have them
+#: Words and numbers that users may write for true and false, which scene files do not accept
 _SWITCHES = {
     **dict.fromkeys(("true", "yes", "on", "1"), "true"),
     **dict.fromkeys(("false", "no", "off", "0"), "false"),
@@ -22,9 +22,9 @@ _SWITCHES = {
 
 
 def lines_of(error: ValidationError, scene: type[Section], several: bool) -> Iterator[str]:
-    """Yield one line per bad value, in the order of the scene.
+    """Yield one line per invalid value, in the order of the scene.
 
-    scene: class of scenes. several: whether the scene has several beams.
+    `scene` is the class of scenes, and `several` is whether the scene has several beams.
     """
     errors = error.errors(include_url=False)
     wrong = {details["loc"] for details in errors}
@@ -32,10 +32,10 @@ def lines_of(error: ValidationError, scene: type[Section], several: bool) -> Ite
         where = details["loc"]
         name, filled = NAMED.get(str(where[0]), ("", ())) if where else ("", ())
         if details["type"] == "missing" and (where[0], name) in wrong and where[-1] in filled:
-            continue  # the right name would give it
+            continue  # a valid name would fill in this key
         if several and where[:1] == ("beam",):
             where = ("beam[1]", *where[1:])
-        elif where[:1] == ("more_beams",) and len(where) > 1:  # as the file has them: [[beam]]
+        elif where[:1] == ("more_beams",) and len(where) > 1:  # numbered as in the file: [[beam]]
             where = (f"beam[{int(where[1]) + 2}]", *where[2:])
         key = ".".join(str(part) for part in where)
         named = _clipped(key)
@@ -51,7 +51,7 @@ def lines_of(error: ValidationError, scene: type[Section], several: bool) -> Ite
 
 
 def _allowed(details: ErrorDetails, key: str) -> str:
-    """Return what a wrong value must be, from Pydantic's report on it. key: its dotted name."""
+    """Return the allowed values for an invalid one, from Pydantic's report; `key`: dotted name."""
     kind, context = details["type"], details.get("ctx", {})
     match kind:
         case "literal_error":
@@ -81,7 +81,7 @@ def _allowed(details: ErrorDetails, key: str) -> str:
 def _known_keys(details: ErrorDetails, scene: type[Section]) -> str:
     """Return the key that an unknown one probably means, or all keys of its section, as a phrase.
 
-    details: Pydantic's report. scene: class of scenes.
+    `details` is Pydantic's report, and `scene` the class of scenes.
     """
     section: Any = scene
     for part in details["loc"][:-1]:
@@ -98,19 +98,18 @@ def _known_keys(details: ErrorDetails, scene: type[Section]) -> str:
 
 
 def doubts_of(given: Mapping[str, Any], section: type[Section], within: str = "") -> Iterator[str]:
-    """Yield a warning for each key with a bare number that is unusual in SI units.
+    """Yield a warning for each key with a number without unit that is unusual in SI units.
 
-    Such a number, for example a wavelength of 1064 (m), probably lacks its unit.
-
-    given: values of a section by key, or sections of a scene by name. section: class of that
-    section, or the class of scenes. within: dotted name of the section with a final dot, such as
-    "beam.motion."; "" for a scene.
+    Such a number, for example a wavelength of 1064 (m), probably lacks its unit. `given` has values
+    of a section by key, or sections of a scene by name. `section` is the class of that section, or
+    the class of scenes. `within` is the dotted name of the section with a final dot, such as
+    "beam.motion."; it is "" for a scene.
     """
     fields = section.model_fields
     for key, value in given.items():
-        # a diameter is judged by the description of the radius, which stands for it in the class
+        # a diameter is judged by the annotation of the radius, which replaces it in the class
         kind = HALVES.get((kind_of(within.removesuffix(".")), key), kind_of(key))
-        if kind not in fields:  # the file of a table
+        if kind not in fields:  # for example the file of a table
             continue
         annotation, metadata = fields[kind].annotation, fields[kind].metadata
         if inner := section_of(annotation):
@@ -124,9 +123,9 @@ def doubts_of(given: Mapping[str, Any], section: type[Section], within: str = ""
 
 
 def _each(section: str, value: Any) -> list[tuple[str, Any]]:
-    """Return the name and value of a section, or of each section in a list of several.
+    """Return name and value of a section, or of each section in a list.
 
-    Names of a list are numbered: beam[1], or beam[2] for the first of `more_beams`.
+    Sections of a list are numbered: beam[1], or beam[2] for the first of `more_beams`.
     """
     if isinstance(value, list | tuple):
         name, first = ("beam", 2) if section == "more_beams" else (section, 1)
@@ -149,7 +148,7 @@ def either(names: Sequence[str]) -> str:
 
 
 def as_toml(value: Any) -> str:
-    """Return a value as a scene file has it, cut at 60 characters."""
+    """Return a value as a scene file contains it, cut at 60 characters."""
     if isinstance(value, str):
         return value
     if isinstance(value, bool):

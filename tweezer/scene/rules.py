@@ -14,11 +14,11 @@ from tweezer.values.errors import warn
 from tweezer.values.rounding import least
 from tweezer.values.units import TABLE_RADII
 
-#: Thickness of the thinnest cell of two walls, in radii
+#: Smallest distance between two walls, in bead radii
 THINNEST = 20.0
-#: Part of a depth within which two places are one
+#: Fraction of a depth below which two positions are the same
 _SAME_PLACE = 1e-9
-#: Largest number of frames of a run
+#: Largest number of camera frames in a run
 _MOST_FRAMES = 10_000_000
 
 
@@ -45,7 +45,7 @@ def check(scene: Description) -> None:
 
 
 def _aperture_in_reach(scene: Description) -> None:
-    """Refuse a sine map whose outermost rays leave the lens at a right angle or beyond."""
+    """Refuse a sine lens map whose outermost rays leave the lens at 90 degrees or more."""
     lens, key, index = scene.lens, "medium", scene.medium.refractive_index
     if lens.cover is not None:
         key, index = "lens.cover", lens.cover.refractive_index
@@ -63,7 +63,7 @@ def _aperture_in_reach(scene: Description) -> None:
 
 
 def warn_of_unused_aperture(scene: Description) -> None:
-    """Warn of a numerical aperture that the map of the lens does not use."""
+    """Warn of a numerical aperture that the lens map does not use."""
     if scene.lens.map == "tan" and scene.lens.numerical_aperture is not None:
         warn(
             "lens.numerical_aperture: has no effect with lens.map = 'tan', where lens.radius and "
@@ -72,7 +72,7 @@ def warn_of_unused_aperture(scene: Description) -> None:
 
 
 def _map_of_rays(scene: Description) -> None:
-    """Refuse a range of the force map by rays outside its limits."""
+    """Refuse a range outside the limits of a force map by ray optics."""
     if not TABLE_RADII[0] <= scene.table_radii <= TABLE_RADII[1]:
         raise refusal(
             f"optics.table_range = {scene.optics.table_range!r}: is {scene.table_radii:.3g} "
@@ -94,7 +94,7 @@ def _foci_at_the_depth(scene: Description) -> None:
 
 
 def _start_in_the_medium(scene: Description) -> None:
-    """Refuse a release outside the medium: before the lens or its cover, or beyond the loss
+    """Refuse a release outside the medium: in front of the lens or cover, or beyond the loss
     distance.
     """
     x, y, z = scene.start_position
@@ -119,7 +119,7 @@ def _start_in_the_medium(scene: Description) -> None:
 
 
 def _beside_the_wall(scene: Description) -> None:
-    """Refuse a bead in a wall, a cell that is too thin, and forces of a wall without one."""
+    """Refuse a bead in a wall, walls that are too close, and wall forces without a wall."""
     wall, radius = scene.wall, scene.body.size
     if wall is None:
         if scene.forces.dlvo is not None:
@@ -154,7 +154,7 @@ def _beside_the_wall(scene: Description) -> None:
 
 
 def _thermal(scene: Description) -> None:
-    """Refuse settings that require thermal motion if there is none, and those that exclude it."""
+    """Refuse settings that require thermal motion if it is off, and those that exclude it."""
     method, model = scene.simulation.method, scene.simulation.model
     how = None if method == "auto" else METHODS[method]
     if not scene.forces.brownian:
@@ -193,7 +193,7 @@ def _thermal(scene: Description) -> None:
 
 
 def _some_frame(scene: Description) -> None:
-    """Refuse a camera that sees no frame, or too many, and methods that it cannot be used with."""
+    """Refuse a camera with no frame or too many frames, and methods that exclude a camera."""
     if scene.camera is None:
         return
     if scene.camera.exposure > scene.simulation.duration:
@@ -217,7 +217,7 @@ def _some_frame(scene: Description) -> None:
 
 
 def _inertia_of_the_fluid(scene: Description) -> None:
-    """Refuse models, methods and walls that exclude the inertia of the fluid."""
+    """Refuse models, methods and walls that exclude fluid inertia."""
     inertia, model, method = scene.medium.inertia, scene.simulation.model, scene.simulation.method
     if inertia in (None, "none"):
         return
@@ -254,7 +254,7 @@ def _inertia_of_the_fluid(scene: Description) -> None:
 
 
 def _wider_than_a_square(scene: Description, beam: Beam) -> None:
-    """Refuse a beam narrower than a square of the thesis's grid of rays, which would miss it."""
+    """Refuse a beam narrower than a square of the thesis's grid of rays, which could miss it."""
     half_side = scene.lens.radius / beam.divisions
     if beam.sigma is not None and beam.sigma < half_side * (1 - 1e-9):
         raise refusal(

@@ -1,7 +1,7 @@
-"""The description of one experiment: bead, medium, lens, beam, wall, start, forces, and so on.
+"""Validated description of an experiment: bead, medium, lens, beam, wall, start, forces, and so on.
 
-Scenes are TOML files. Quantities may carry units ("500 nm"); bare numbers are SI. A scene is
-immutable, and every way to make one validates it.
+Scenes are TOML files. Quantities may have units ("500 nm"); numbers without a unit are SI. A scene
+is immutable, and every way to make one validates it.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from tweezer.values.printed import printed
 from tweezer.values.rounding import micrometres
 from tweezer.values.shown import Card, Row, as_html, as_text
 
-#: Knudsen number up to which the medium is taken as a continuum (thesis, 2.2.2)
+#: Largest Knudsen number for which the medium is a continuum (thesis, 2.2.2)
 KNUDSEN_LIMIT = 1e-3
-#: largest number of invalid values that are listed for one scene
+#: Largest number of invalid values that are listed for one scene
 _MOST_LINES = 20
 
 
@@ -48,7 +48,7 @@ class Scene(Description):
         return self
 
     def card(self) -> Card:
-        """Return the card with bead, medium, light, start, forces, and changes to the shipped
+        """Return the card with bead, medium, light, release, forces, and changes to the shipped
         scene.
         """
         bead, medium, motion = self.bead, self.medium, self.simulation
@@ -105,11 +105,10 @@ class Scene(Description):
         return as_html(self.card())
 
     def with_one_beam(self, beam: Beam, offset: float = 0.0) -> Scene:
-        """Return the scene with this beam alone, along +z through the origin, at rest and of
-        constant power.
+        """Return the scene with only this beam, along +z through the origin, constant in time.
 
-        offset: largest distance, m, of the beam's focus from the origin. The loss distance is
-        increased by it, because the bead may be that much further from the focus.
+        `offset` is the largest distance of the beam's focus from the origin, m. The loss distance
+        increases by it, because the bead may be that much farther from the focus.
         """
         at_rest = {
             "position": (0.0, 0.0, 0.0),
@@ -118,7 +117,7 @@ class Scene(Description):
             "modulation": None,
         }
         update = {"beam": beam.model_copy(update=at_rest), "more_beams": ()}
-        if self.more_beams or offset:  # all are of one theory
+        if self.more_beams or offset:  # all beams use the same theory
             update["optics"] = self.optics.model_copy(update={"theory": self.theory})
         if offset:
             far = self.simulation.loss_distance + offset
@@ -131,14 +130,14 @@ class Scene(Description):
         return self.model_copy(update={"beam": beam})
 
     def __eq__(self, other: object) -> bool:
-        """Return whether both have equal keys, apart from their history of changes."""
+        """Return whether both scenes have equal keys, ignoring their history of changes."""
         return isinstance(other, Scene) and self._said() == other._said()
 
     def __hash__(self) -> int:
         return hash(self._said())
 
     def _said(self) -> tuple[Any, ...]:
-        """Return the values of all keys but the history of changes, for comparison."""
+        """Return the values of all keys except the history of changes, for comparison."""
         return tuple(getattr(self, key) for key in type(self).model_fields if key != "changed")
 
     @property
@@ -153,8 +152,8 @@ class Scene(Description):
 
     @property
     def _of_another_temperature(self) -> str:
-        """Names of properties of the medium that depend on temperature but were not changed with
-        it.
+        """Names of properties of the medium that depend on the temperature but were not changed
+        with it, as text.
         """
         if "medium.viscosity" in self.changed or "viscosity" in self.medium.filled:
             return ""
@@ -191,17 +190,15 @@ class Scene(Description):
         return copy.model_copy(update={"changed": {}}) if "description" in sections else copy
 
     def _changes(self, replaced: Scene, sections: Mapping[str, Any]) -> dict[str, str]:
-        """Return the changes of a scene replaced with `sections`: earlier ones that still hold, and
-        new ones.
+        """Return the changes after replacing `sections`: earlier ones that still apply and new
+        ones.
 
         They are texts of values by dotted key.
         """
         before, after = by_key(self.model_dump()), by_key(replaced.model_dump())
 
         def differs(key: str) -> bool:
-            """Return whether a key, or the one that stands for its alternative, has another value
-            than before.
-            """
+            """Return whether the value of a key, or of the stored key for it, has changed."""
             section, _, name = key.partition(".")
             other = HALVES.get((kind_of(section), name), name)
             field = key if key in after else f"{section}.{other}"
@@ -220,9 +217,9 @@ class Scene(Description):
         return dict(sorted(changed.items()))
 
     def decided(self, **sections: Mapping[str, Any]) -> Scene:
-        """Return a copy in which open choices, such as the model, are made.
+        """Return a copy in which open choices, such as the model, are resolved.
 
-        It counts as the same scene: the list of changes stays as it is.
+        It counts as the same scene: its list of changes does not change.
         """
         copy = self._replaced(sections)
         return copy.model_copy(update={"changed": self.changed})
@@ -259,7 +256,7 @@ class Scene(Description):
 
 
 def validated(data: dict[str, Any], given: Mapping[str, Any]) -> Scene:
-    """Return the scene of `data`; warn of bare numbers in the part that a user has `given`."""
+    """Return the scene of `data`; warn of numbers without unit in the part `given` by a user."""
     try:
         scene = Scene.model_validate(data)
     except ValidationError as error:

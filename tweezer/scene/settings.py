@@ -1,4 +1,4 @@
-"""Single keys of a scene: their values, their descriptions, and setting them by text."""
+"""Single keys of a scene: their values, their descriptions, and setting them from text."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from tweezer.values.units import Quantity, quantity_of
 def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
     """Return `scene` with dotted keys set to text values, as given on a command line.
 
-    A key is `section.key`, `beam[2].key` of several beams, or `beam.motion.key`. Familiar words
-    such as lens.NA stand for keys, see `FAMILIAR`.
-    A value is read as TOML where it is TOML ("1e-4", "[0, 0, 1e-6]") and as text otherwise
-    ("80 mW"); "True" and "False" are as Python has them. Raises `SceneError`.
+    A key is `section.key`, `beam[2].key` for several beams, or `beam.motion.key`. Alternative words
+    such as lens.NA are accepted (`FAMILIAR`). A value is parsed as TOML if possible ("1e-4",
+    "[0, 0, 1e-6]") and is text otherwise ("80 mW"); "True" and "False" are accepted as in Python.
+    Raises `SceneError` for an unknown key or invalid value.
     """
     sections: dict[str, Any] = {}
     for key, text in settings.items():
@@ -36,7 +36,7 @@ def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
             "model_fields",
             {},
         )
-        if dot and outer in of and section_of(of[outer].annotation):  # beam.motion.velocity
+        if dot and outer in of and section_of(of[outer].annotation):  # as in beam.motion.velocity
             within, name = within.setdefault(outer, {}), inner
             if not isinstance(within, dict):
                 raise SceneError(f"{section}.{outer}: given as a whole, and key by key")
@@ -53,9 +53,9 @@ def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
 
 
 def described_at(key: str) -> tuple[Quantity | None, str]:
-    """Return the quantity that a dotted key of a scene holds, None if none, and the description.
+    """Return the quantity of a dotted key of a scene, or None, and the description of the key.
 
-    A key is as in `with_settings`. Raises `SceneError` for a key that no scene has.
+    Keys have the form described at `with_settings`. Raises `SceneError` for an unknown key.
     """
     first, *parts = key.split(".")
     within = kind_of(first)
@@ -75,7 +75,7 @@ def described_at(key: str) -> tuple[Quantity | None, str]:
 
 
 def settable() -> dict[str, tuple[str, ...]]:
-    """Return the dotted keys that `with_settings` takes, and their choices, for one beam.
+    """Return the dotted keys that `with_settings` accepts, with their choices, for one beam.
 
     Choices are names, or "true" and "false".
     """
@@ -89,12 +89,12 @@ def settable() -> dict[str, tuple[str, ...]]:
 def _settable(within: str, section: Any) -> dict[str, tuple[str, ...]]:
     """Return the dotted keys of a section and its subsections, with their choices.
 
-    within: dotted name of the section. section: its class.
+    `within` is the dotted name of the section, and `section` its class.
     """
     found: dict[str, tuple[str, ...]] = {}
     for name, field in section.model_fields.items():
         inner = section_of(field.annotation)
-        if inner and inner in get_args(field.annotation):  # one section, not a list of them
+        if inner and inner in get_args(field.annotation):  # a single section, not a list of them
             found |= _settable(f"{within}.{name}", inner)
         else:
             found[f"{within}.{name}"] = _choices(field.annotation)
@@ -103,7 +103,7 @@ def _settable(within: str, section: Any) -> dict[str, tuple[str, ...]]:
 
 
 def _choices(annotation: Any) -> tuple[str, ...]:
-    """Return the names that the type of a key allows; none if it allows other values."""
+    """Return the names that the type of a key allows; empty if it allows other values."""
     if annotation is bool:
         return "true", "false"
     if get_origin(annotation) is Literal:
@@ -112,9 +112,9 @@ def _choices(annotation: Any) -> tuple[str, ...]:
 
 
 def value_at(scene: Scene, key: str) -> Any:
-    """Return the value of a dotted key of `scene`, as in `with_settings`; None if it has none.
+    """Return the value of a dotted key of `scene` (see `with_settings`); None if it is not set.
 
-    Raises `SceneError` for a key that no scene has.
+    Raises `SceneError` for an unknown key.
     """
     described_at(key)
     first, *parts = key.split(".")

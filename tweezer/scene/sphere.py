@@ -1,4 +1,4 @@
-"""The sphere as a body, and Stokes's drag of it far from everything (2.13-2.15)."""
+"""The sphere as a rigid body, and its Stokes drag far from walls (2.13-2.15)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from tweezer.scene.body import Body
 
 
 class Sphere(Body):
-    """A sphere, whose mass may be distributed unevenly about its centre.
+    """A sphere, whose mass may be distributed unevenly around its centre.
 
     Parameters
     ----------
@@ -18,7 +18,7 @@ class Sphere(Body):
     density : float
         Mean density, kg/m^3.
     moments_of_inertia : tuple of float, optional
-        Principal moments, kg m^2; those of a uniform sphere if not given.
+        Principal moments, kg m^2. Default: those of a uniform sphere.
     """
 
     def __init__(
@@ -34,21 +34,21 @@ class Sphere(Body):
         self.moments_of_inertia = moments_of_inertia or (uniform, uniform, uniform)
 
     def support(self, normal: float = 1.0, orientation: Any = None) -> float:  # noqa: ARG002
-        """Return the radius, m: a sphere is the same from all sides."""
+        """Return the radius, m, which is the same in all directions."""
         return self.size
 
 
 def drag_of_translation(viscosity: float, radius: float) -> float:
-    """Return Stokes's drag coefficient beta_v = 6 pi mu r (2.15), kg/s.
+    """Return the Stokes drag coefficient beta_v = 6 pi mu r (2.15), kg/s.
 
-    viscosity: mu, Pa s. radius: r, m.
+    `viscosity` is mu, Pa s, and `radius` is r, m.
     """
     return 6 * math.pi * viscosity * radius
 
 
 def drag_of_rotation(viscosity: float, radius: float) -> float:
-    """Return Stokes's rotational drag coefficient beta_w = 8 pi mu r^3 (2.15), N m s.
+    """Return the rotational Stokes drag coefficient beta_w = 8 pi mu r^3 (2.15), N m s.
 
-    viscosity: mu, Pa s. radius: r, m.
+    `viscosity` is mu, Pa s, and `radius` is r, m.
     """
     return 8 * math.pi * viscosity * radius**3

@@ -10,16 +10,16 @@ from tweezer.scene.choices import THEORIES, evaluator
 from tweezer.scene.courses import refusal
 from tweezer.scene.sections import Bead, Beam, Lens, Medium, Optics
 
-#: Largest size parameter k a that auto takes as waves; 120 is a 30 um bead in water at 1064 nm
+#: Largest size parameter k a for which auto uses wave optics: a 30 um bead in water at 1064 nm
 LARGEST_SIZE = 120.0
-#: Largest k times `simulation.loss_distance` that auto takes as waves: 130 um in water at 1064 nm
+#: Largest k times `simulation.loss_distance` for which auto uses waves: 130 um in water at 1064 nm
 FARTHEST = 1000.0
-#: Largest size parameter k a of a bead in waves: the tables of harmonics grow as its cube
+#: Largest size parameter k a in wave optics, because the tables of harmonics grow as its cube
 LARGEST_IN_WAVES = 160.0
-#: Largest distance from the focus at which waves are computed, in 1/k: 250 um in water at 1064 nm
+#: Largest distance from the focus in wave optics, in 1/k: 250 um in water at 1064 nm
 FARTHEST_IN_WAVES = 2000.0
 
-#: why the light of a scene has no map of rays
+#: Message for light that has no force map by ray optics
 NO_MAP = (
     "optics.evaluator = 'map': rays need light that is the same all around the axis; allowed with "
     "beam.polarisation: 'averaged-reflectance', 'circular' or 'unpolarised'"
@@ -27,12 +27,12 @@ NO_MAP = (
 
 
 class Choice(NamedTuple):
-    """Theory of light that a scene is computed with, and the reason."""
+    """Theory of light with which a scene is computed, and the reason."""
 
     theory: str
     """"rays" or "waves", as in `THEORIES`"""
     reason: str
-    """one short clause"""
+    """reason in one short clause"""
 
 
 def chosen_theory(
@@ -43,10 +43,10 @@ def chosen_theory(
     beams: Sequence[Beam],
     loss_distance: float,
 ) -> Choice:
-    """Return the theory that a lit scene names, or else waves if they apply and are cheap.
+    """Return the theory that a lit scene names, or wave optics if it applies and is fast enough.
 
-    Raises an error of a scene for a theory that does not apply to it. loss_distance: largest
-    distance of the bead from the focus, m.
+    Raises a scene error for a theory that does not apply. `loss_distance` is the largest distance
+    of the bead from the focus, m.
     """
     without = {"rays": no_rays(bead, lens, beams), "waves": no_waves(optics, beams)}
     asked = optics.theory
@@ -90,7 +90,7 @@ def no_rays(bead: Bead, lens: Lens, beams: Sequence[Beam]) -> str | None:
 
 
 def _first(beyond: Iterator[str], theory: str) -> str | None:
-    """Return the sentence on the first setting beyond a theory; None if there is none."""
+    """Return a sentence on the first setting that a theory excludes; None without one."""
     return next((f"{what} has no meaning as {theory}" for what in beyond), None)
 
 
@@ -125,11 +125,11 @@ def _beyond_rays(bead: Bead, lens: Lens, beams: Sequence[Beam]) -> Iterator[str]
 
 
 def _about_the_axis(beam: Beam) -> bool:
-    """Return whether the polarisation has an axis of symmetry: radial or azimuthal."""
+    """Return whether the polarisation is radial or azimuthal, with an axis of symmetry."""
     return beam.polarisation in ("radial", "azimuthal")
 
 
 def named_beams(beams: Sequence[Beam]) -> Iterator[tuple[str, Beam]]:
-    """Yield each beam with its name in a scene: "beam" if there is one, else "beam[1]" etc."""
+    """Yield each beam with its name in a scene: "beam" if it is the only one, else "beam[1]"..."""
     for i, beam in enumerate(beams, start=1):
         yield ("beam" if len(beams) == 1 else f"beam[{i}]"), beam

@@ -1,8 +1,8 @@
 """Liquid water at one atmosphere: density, viscosity and refractive index by the IAPWS releases.
 
-`derivation.water` has the equations. For liquid water at any temperature, the density agrees with
-IAPWS-95 to 1e-6. The viscosity agrees to 3e-5 with the release of 2008, whose own uncertainty is
-1 %. The refractive index of R9-97 has an uncertainty of at most 6e-5 in visible light.
+The equations are in `derivation.water`. For liquid water at any temperature, the density agrees
+with IAPWS-95 to 1e-6. The viscosity agrees to 3e-5 with the release of 2008, whose own uncertainty
+is 1 %. The refractive index of R9-97 has an uncertainty of at most 6e-5 in visible light.
 """
 
 from __future__ import annotations
@@ -10,11 +10,11 @@ from __future__ import annotations
 import functools
 from typing import NamedTuple
 
-#: K, from and to: the range in which water is liquid at one atmosphere
+#: Range of temperatures in which water is liquid at one atmosphere, K
 LIQUID = 273.15, 373.12
-#: m, from and to: wavelengths of the release R9-97
+#: Range of vacuum wavelengths of the release R9-97, m
 WAVELENGTHS = 0.2e-6, 1.1e-6
-#: wavelength of the sodium line, m, for properties that do not depend on the light
+#: Vacuum wavelength of the sodium line, m, for properties that do not depend on the light
 _SODIUM = 0.5893e-6
 
 

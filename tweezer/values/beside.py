@@ -1,6 +1,6 @@
-"""Names beside an output: OUT.lock, held by the process at work, and OUT.part, what it resumes.
+"""Names beside an output: OUT.lock, locked by the running process, and OUT.part with checkpoints.
 
-A file, folder or link of such a name that tweezer has not made is refused, and stays as it is.
+A file, folder or link of such a name that tweezer did not create is refused and left unchanged.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ NEW = r"new-[0-9a-f]{16}"
 
 @contextlib.contextmanager
 def telling(out: Path | None) -> Iterator[None]:
-    """Turn errors of the file system in a block into a `ResultError` about the output `out`."""
+    """Convert file system errors in a block to a `ResultError` about the output `out`."""
     try:
         yield
     except OSError as error:
@@ -35,9 +35,9 @@ def telling(out: Path | None) -> Iterator[None]:
 
 @contextlib.contextmanager
 def held(out: Path) -> Iterator[None]:
-    """Lock OUT.lock, so that no other process writes there.
+    """Lock OUT.lock, so that no other process writes the same output.
 
-    Raises `ResultError` if another process has locked it, and for a file of this name with content.
+    Raises `ResultError` if another process has locked it, and for an existing file with content.
     """
     if not out.parent.is_dir():
         raise ResultError(f"{out}: no such folder: {out.parent}")
@@ -59,7 +59,7 @@ def held(out: Path) -> Iterator[None]:
     finally:
         try:
             with contextlib.suppress(OSError):
-                path.unlink()  # while it is held, so that a waiting process notices
+                path.unlink()  # while it is locked, so that a waiting process notices
         finally:
             lock.release()
 
@@ -74,11 +74,10 @@ def _size(path: Path) -> int:
 
 @dataclass(frozen=True)
 class Part:
-    """The folder OUT.part beside an output, with what an interrupted sweep or ensemble continues
-    from.
+    """The folder OUT.part beside an output, from which an interrupted sweep or ensemble continues.
 
     A marker file in it names the kind, so that folders of other origin are recognised and left
-    alone.
+    unchanged.
     """
 
     out: Path
@@ -86,11 +85,11 @@ class Part:
     of: str
     """"sweep" or "ensemble" """
     own: re.Pattern[str]
-    """pattern of the names of files that are made in the folder"""
+    """pattern of the names of files that tweezer creates in the folder"""
 
     @property
     def folder(self) -> Path:
-        """The folder itself."""
+        """Path of the folder."""
         return self.out.with_name(self.out.name + ".part")
 
     @property
@@ -104,7 +103,7 @@ class Part:
         return f"what the {self.of} "
 
     def make(self) -> None:
-        """Make the folder unless it exists.
+        """Create the folder unless it exists.
 
         Raises `ResultError` for a link of this name, and for a folder with files but no marker.
         """
@@ -121,7 +120,7 @@ class Part:
                 file.write(f"{self._sentence}{self.out} goes on from\n")
 
     def _marked(self) -> bool:
-        """Return whether the folder is no link and has its marker, which a full disk left empty."""
+        """Return whether the folder is no link and has its marker, which a full disk may empty."""
         if self.folder.is_symlink() or self._marker.is_symlink() or not self._marker.is_file():
             return False
         with self._marker.open("rb") as file:
@@ -129,15 +128,15 @@ class Part:
         return said in (b"", self._sentence.encode())
 
     def files(self) -> list[Path]:
-        """Return the files that were made in the folder; none if it has no marker."""
+        """Return the files that tweezer created in the folder; none if it has no marker."""
         if not self._marked():
             return []
         return [each for each in sorted(self.folder.iterdir()) if self.own.fullmatch(each.name)]
 
     def remove(self) -> None:
-        """Remove what was made in the folder, and the folder if it is empty.
+        """Remove the files that tweezer created, and the folder if it is then empty.
 
-        A failure does no harm.
+        Errors are ignored.
         """
         with contextlib.suppress(OSError):
             for path in self.files():
@@ -145,19 +144,19 @@ class Part:
         self.remove_if_empty()
 
     def remove_if_empty(self) -> None:
-        """Remove the folder if it has its marker alone."""
+        """Remove the folder if it contains only its marker."""
         with contextlib.suppress(OSError):
             if self._marked() and not self.files():
                 self._marker.unlink()
                 self.folder.rmdir()
 
     def new(self) -> Path:
-        """Return an unused name for a store; once it is written it is renamed to `out`."""
+        """Return an unused name for a store, which is renamed to `out` once it is written."""
         return self.folder / f"new-{secrets.token_hex(8)}"
 
 
 def remove(path: Path) -> None:
-    """Remove a file, a folder with all in it, or a link."""
+    """Remove a file, a link, or a folder with its content."""
     if path.is_dir() and not path.is_symlink():
         shutil.rmtree(path)
     else:

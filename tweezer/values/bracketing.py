@@ -1,4 +1,4 @@
-"""Zeros and maxima between two places on a line.
+"""Zeros and maxima on an interval.
 
 `scipy.optimize` has both, but importing it takes a third of the time of a short command.
 """
@@ -12,14 +12,14 @@ import numpy as np
 
 from tweezer.values.arrays import Array
 
-#: Smallest error of a place, relative to it
+#: Smallest relative error of a position
 _ROUNDING = 4 * np.finfo(float).eps
-#: Number of places at which a function is evaluated together
+#: Number of positions at which a function is evaluated together
 _TOGETHER = 17
 
 
 def zero(function: Callable[[float], float], low: float, high: float, tolerance: float) -> float:
-    """Return a place where a function changes sign, by Brent's method.
+    """Return a position at which a function changes sign, by Brent's method.
 
     Parameters
     ----------
@@ -28,12 +28,12 @@ def zero(function: Callable[[float], float], low: float, high: float, tolerance:
     low, high : float
         Ends of an interval on which the sign of the function changes.
     tolerance : float
-        Largest error of the place. Four units in its last place are added.
+        Largest error of the position. Four units in its last place are added.
 
     Returns
     -------
     float
-        The place: an end of the interval if the function is zero there.
+        The position: an end of the interval if the function is zero there.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def zero(function: Callable[[float], float], low: float, high: float, tolerance:
     """
 
     def at(place: float) -> float:
-        """Return the value of the function at a place, or raise `ValueError` for NaN."""
+        """Return the value of the function at `place`, or raise `ValueError` for NaN."""
         if math.isnan(value := function(place)):
             raise ValueError(f"the function is NaN at {place}")
         return value
@@ -69,9 +69,9 @@ def zero(function: Callable[[float], float], low: float, high: float, tolerance:
             return here
         tried = math.inf
         if abs(last_step) > shortest and abs(f_here) < abs(f_before):
-            # s, q and r are ratios of function values at the last three places
+            # s, q and r are ratios of function values at the last three positions
             s = f_here / f_before
-            if before == other:  # two places: the secant
+            if before == other:  # two positions: the secant
                 tried = 2 * bisecting * s / (s - 1)
             else:  # inverse quadratic interpolation
                 q, r = f_before / f_other, f_here / f_other
@@ -89,26 +89,26 @@ def zero(function: Callable[[float], float], low: float, high: float, tolerance:
 def maximum(
     function: Callable[[Array], Array], low: float, high: float, tolerance: float
 ) -> tuple[float, float]:
-    """Return the largest value of a function on an interval, and its place.
+    """Return the largest value of a function on an interval, and its position.
 
-    The function is sampled at 17 places together. The interval shrinks to the neighbours of the
+    The function is sampled at 17 positions together. The interval shrinks to the neighbours of the
     largest sample, until they are less than `tolerance` apart.
 
     Parameters
     ----------
     function : callable
-        Function of an array of places, shape (n,), with one maximum on the interval.
+        Function of an array of positions, shape (n,), with one maximum on the interval.
     low, high : float
         Ends of the interval.
     tolerance : float
-        Largest error of the place.
+        Largest error of the position.
 
     Returns
     -------
     value : float
         Largest sample of the function.
     place : float
-        Place of that sample.
+        Position of that sample.
     """
     while True:
         places = np.linspace(low, high, _TOGETHER)

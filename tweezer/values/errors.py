@@ -1,4 +1,4 @@
-"""Errors and warnings a user of tweezer can meet."""
+"""Errors and warnings for users of tweezer."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class UnitWarning(UserWarning):
 
 
 def warn(text: str, category: type[Warning] = PhysicsWarning) -> None:
-    """Warn of the line outside this package that led here, as the user has written it."""
+    """Warn, attributing the warning to the line of the user's code that led here."""
     package = __name__.partition(".")[0]
     frame, level = inspect.currentframe(), 1
     while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == package:

@@ -1,4 +1,4 @@
-"""Files of users: read if they are regular files, written whole or not at all."""
+"""Users' files: read only if they are regular files, and written atomically."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ from tweezer.values.errors import ResultError
 
 try:
     import fcntl
-except ImportError:  # systems other than Unix: unfinished files remain there
+except ImportError:  # not on Unix: unfinished files are not removed there
     fcntl = None  # type: ignore[assignment]
 
-#: In place of a file that is written: standard output
+#: Name that stands for standard output instead of a file
 STANDARD_OUTPUT = Path("-")
-#: Largest size of a text that is read, bytes
+#: Largest size of a text that can be read, bytes
 _MOST_TEXT = 2**26
-#: Name of a file that is being written: eight random digits, and their checksum
+#: Pattern of the name of a file being written: eight random digits and their checksum
 _SAVING = re.compile(r"\.saving-([0-9a-f]{8})([0-9a-f]{8})")
 
 
 def check_regular(path: Path) -> None:
-    """Raise OSError unless `path` is a regular file, or a link to one: a pipe may never end."""
+    """Raise `OSError` unless `path` is a regular file or a link to one, as a pipe may never end."""
     mode = path.stat().st_mode
     if stat.S_ISDIR(mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
@@ -44,9 +44,9 @@ def check_regular(path: Path) -> None:
 
 
 def read_text(path: Path) -> str:
-    """Return the text of a regular file in UTF-8, without a byte order mark.
+    """Return the text of a regular UTF-8 file, without a byte order mark.
 
-    Raises OSError, also for a file of more than 64 MiB, and UnicodeDecodeError.
+    Raises `OSError`, including for a file of more than 64 MiB, and `UnicodeDecodeError`.
     """
     check_regular(path)
     with path.open("rb") as file:
@@ -58,16 +58,16 @@ def read_text(path: Path) -> str:
 
 
 def digest(value: object, beside: str = "") -> str:
-    """Return the SHA-256 of a JSON value and a text; spaces and the order of keys do not count."""
+    """Return the SHA-256 of a JSON value and a text, ignoring white space and the order of keys."""
     return hashlib.sha256(f"{json.dumps(value, sort_keys=True)}{beside}".encode()).hexdigest()
 
 
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[BytesIO]:
-    """Lend memory to write to; its content replaces the file at `path` at the end.
+    """Provide memory to write to, whose content replaces the file at `path` at the end.
 
-    With `STANDARD_OUTPUT` the content is printed. Raises `ResultError` if it cannot be written; the
-    file at `path` is then unchanged.
+    For `STANDARD_OUTPUT` the content is printed. Raises `ResultError` if the file cannot be
+    written; it is then unchanged.
     """
     content = BytesIO()
     yield content
@@ -82,7 +82,7 @@ def replacing(path: Path) -> Iterator[BytesIO]:
 
 
 def write_whole(path: Path, content: BytesIO) -> None:
-    """Replace the file at `path` as a whole. Raises OSError, also for a link or a pipe."""
+    """Replace the file at `path` atomically; raises `OSError`, including for a link or a pipe."""
     if path.is_symlink():
         raise OSError(f"is a link, to {path.readlink()}")
     if path.exists():
@@ -98,19 +98,20 @@ def write_whole(path: Path, content: BytesIO) -> None:
 
 
 def is_saving(name: str) -> bool:
-    """Return whether a file of that name is one that `write_whole` has begun."""
+    """Return whether a file of that name is an unfinished file of `write_whole`."""
     match = _SAVING.fullmatch(name)
     return match is not None and match[2] == _checksum(match[1])
 
 
 def _checksum(digits: str) -> str:
-    """Return the eight digits in the name of an unfinished file that confirm the random eight."""
+    """Return the eight digits in the name of an unfinished file that confirm the random ones."""
     return f"{zlib.crc32(f'tweezer {digits}'.encode()):08x}"
 
 
 def _begun(folder: Path) -> tuple[Path, IO[bytes]]:
-    """Create a file to be written, and return its path and the file, which is locked until it is
-    closed.
+    """Create a file to be written, and return its path and the open file.
+
+    The file is locked until it is closed.
     """
     while True:
         digits = secrets.token_hex(4)
@@ -118,7 +119,7 @@ def _begun(folder: Path) -> tuple[Path, IO[bytes]]:
         file = path.open("xb")
         if fcntl is None:
             return path, file
-        with contextlib.suppress(OSError):  # of file systems without locks
+        with contextlib.suppress(OSError):  # file systems without locks
             fcntl.flock(file, fcntl.LOCK_EX)
         if os.fstat(file.fileno()).st_nlink:  # not removed before it was locked
             return path, file
@@ -126,7 +127,7 @@ def _begun(folder: Path) -> tuple[Path, IO[bytes]]:
 
 
 def remove_left_over(folder: Path) -> None:
-    """Remove unfinished files of processes that were killed; those of others at work are locked."""
+    """Remove unfinished files of killed processes; files of running processes are locked."""
     if fcntl is None:
         return
     with contextlib.suppress(OSError), os.scandir(folder) as entries:
@@ -139,7 +140,7 @@ def remove_left_over(folder: Path) -> None:
 
 @contextlib.contextmanager
 def _termination_later() -> Iterator[None]:
-    """Let SIGTERM and SIGHUP end this process only after the block, which takes moments."""
+    """Delay SIGTERM and SIGHUP until after the block, which takes only moments."""
     received: list[int] = []
     before: dict[int, Any] = {}
     if threading.current_thread() is threading.main_thread():

@@ -1,4 +1,4 @@
-"""Import paths of earlier releases: each works until version 0.3 and warns with the new path."""
+"""Import paths of earlier releases, which work until version 0.3 and warn with the new path."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import Any
 
-#: Old paths of the modules with public names, by the package that has them now
+#: Old paths of modules with public names, by the package that contains them now
 _MOVED = {
     "calibration": (
         "analysis.calibration analysis.driving analysis.findings analysis.free "
@@ -32,7 +32,7 @@ _NEW = {
     for package, modules in _MOVED.items()
     for old in modules.split()
 } | {"tweezer.sweeps.figures": "tweezer.plots.sweeps"}
-#: Package of earlier releases, and the packages that have its names today
+#: Package of earlier releases, and the packages that contain its names now
 _ANALYSIS = "tweezer.analysis"
 _HEIRS = ("calibration", "tracking", "trap", "runs", "reading", "ensembles")
 
@@ -50,12 +50,12 @@ class _Former(MetaPathFinder, Loader):
         return ModuleSpec(fullname, self)
 
     def create_module(self, spec: ModuleSpec) -> None:
-        """Return None: the import system makes the module."""
+        """Return None, so that the import system creates the module."""
 
     def exec_module(self, module: ModuleType) -> None:
-        """Fill the module of an old path: replace it by the module with the new path.
+        """Replace the module of an old path by the module with the new path.
 
-        The former package `tweezer.analysis` finds its names in several packages instead.
+        The former package `tweezer.analysis` instead looks up its names in several packages.
         """
         if module.__name__ == _ANALYSIS:
             module.__dict__["__getattr__"] = _of_analysis
@@ -64,13 +64,13 @@ class _Former(MetaPathFinder, Loader):
 
 
 def find_former_paths() -> None:
-    """Add the finder of old paths to the import system, once."""
+    """Add the finder of old paths to the import system, unless it was added before."""
     if not any(isinstance(each, _Former) for each in sys.meta_path):
         sys.meta_path.append(_Former())
 
 
 def module_of(name: str) -> ModuleType | None:
-    """Return the module whose old path is `tweezer.NAME`; None if no such path existed."""
+    """Return the module whose old path is `tweezer.NAME`; None if there was no such path."""
     old = f"tweezer.{name}"
     if old == _ANALYSIS:
         return importlib.import_module(old)

@@ -1,4 +1,4 @@
-"""Checks of an HDF5 file: references to other files, unknown decoders and false sizes are refused.
+"""Safety checks of HDF5 files: no references to other files, unknown decoders or false sizes.
 
 They apply to runs and statistics (NetCDF 4) and to recordings.
 """
@@ -15,20 +15,20 @@ import h5py
 from tweezer.values.errors import ResultError
 from tweezer.values.files import check_regular
 
-#: Filters that h5py has: deflate, shuffle, fletcher32, szip, nbit, scale-offset, LZF
+#: Filters that h5py includes: deflate, shuffle, fletcher32, szip, nbit, scale-offset, LZF
 _FILTERS = (1, 2, 3, 4, 5, 6, 32000)
-#: Largest ratio of numbers to their compressed bytes, of more numbers than a few
+#: Largest ratio of numbers to compressed bytes, which applies only to more numbers than this
 _RATIO, _FEW = 64, 2**28
-#: Size of a text of any length: its length and its address, bytes
+#: Size of the length and the address of a text of variable length, bytes
 _TEXT = 16
 #: Largest number of groups and datasets of a result
 _MOST_ITEMS = 10_000
-#: What netCDF calls a dataset that is a dimension without values
+#: Marker by which netCDF identifies a dataset as a dimension without values
 _NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable"
 
 
 def item_of(path: Path, group: h5py.Group, name: str, label: str) -> Any:
-    """Return the item of a group, or None if it is a link without a target.
+    """Return an item of a group, or None for a link without a target.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def item_of(path: Path, group: h5py.Group, name: str, label: str) -> Any:
 def check_result(path: Path) -> None:
     """Raise `ResultError` unless the HDF5 file itself contains all numbers that it declares.
 
-    Raises OSError if it is no HDF5 file.
+    Raises `OSError` if it is not an HDF5 file.
     """
     check_regular(path)
     with h5py.File(path) as file:
@@ -77,7 +77,7 @@ def names_in(path: Path) -> set[str]:
 
 
 def _datasets(path: Path, file: h5py.File) -> Iterator[tuple[str, h5py.Dataset]]:
-    """Yield all datasets of a file with their paths, each group once, for links can form cycles."""
+    """Yield all datasets of a file with their paths, each group once, as links may be cyclic."""
     waiting: list[tuple[str, h5py.Group]] = [("", file)]
     seen: set[int] = set()
     count = 0
@@ -98,7 +98,7 @@ def _datasets(path: Path, file: h5py.File) -> Iterator[tuple[str, h5py.Dataset]]
 
 
 def _unsound(dataset: h5py.Dataset) -> str:
-    """Return why the numbers of a dataset cannot be read as they were written; "" if they can."""
+    """Return why the numbers of a dataset cannot be read as written; "" if they can."""
     about = dataset.attrs.get("NAME", b"")
     if isinstance(about, bytes) and about.startswith(_NO_VARIABLE):
         return ""

@@ -1,7 +1,7 @@
-"""Numbers of a result, each listed once for cards, commands, pages, sweeps and comparisons.
+"""Numbers of a result, each defined once for cards, commands, pages, sweeps and comparisons.
 
-A kind of result is a `Result`. It names its numbers in `QUANTITIES`, so that a file of cases has
-all of them even where a case failed, and yields those that it has in `quantities`::
+A kind of result is a subclass of `Result`. `QUANTITIES` lists all numbers that it can have, so that
+a table of cases has all of them even if a case failed. `quantities` yields those that it has::
 
     STIFFNESS = Quantity("stiffness", "N/m", "stiffness at the equilibrium", along="axis")
 
@@ -15,10 +15,10 @@ all of them even where a case failed, and yields those that it has in `quantitie
         def card(self) -> Card:
             return Card("Found", self.name, tuple(each.row() for each in self.quantities()))
 
-A card whose rows say more than a number makes them with `printed`, which finds the factor, and
-marks each with its quantity, `Row("stiffness (x, y, z)", printed(k, "pN/um"), of="stiffness")`: a
-page that has listed the quantity leaves out that row. Values are in SI units; factors to those of a
-card are in `tweezer.values.prefixes` alone.
+A card whose rows contain more than a number formats them with `printed`, which finds the factor.
+It marks each row with its quantity, `Row("stiffness (x, y, z)", printed(k, "pN/um"),
+of="stiffness")`, so that a page that lists the quantity can omit the row. Values are in SI units.
+Factors to the units of a card are only in `tweezer.values.prefixes`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from tweezer.values.shown import Row, Shown
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: Names along the dimensions of quantities
+#: Names of the entries along the dimensions of quantities
 DIMENSIONS = {"axis": ["x", "y", "z"], "direction": ["+x", "-x", "+y", "-y", "+z", "-z"]}
 #: Kinds of errors: a bound of the deviation, or a standard error
 BOUND, STANDARD = "bound", "standard"
@@ -55,13 +55,13 @@ class Quantity(NamedTuple):
     along: str = ""
     """dimension of its entries: "axis" or "direction"; "" for one number"""
     kind: str = BOUND
-    """kind of its error; "" without one"""
+    """kind of error; "" for a quantity without errors"""
     swept: bool = True
     """whether it is a variable of sweeps"""
     compared: bool = False
     """whether `tweezer compare` compares it"""
     shown: str = ""
-    """unit in which its text is written; "" for the unit of tables (`in_tables`)"""
+    """unit of its text; "" for the unit of tables (`in_tables`)"""
 
     @property
     def entries(self) -> list[str]:
@@ -70,18 +70,18 @@ class Quantity(NamedTuple):
 
     @property
     def scale(self) -> tuple[float, str]:
-        """Factor from its SI unit to the unit of its text, and that unit."""
+        """Factor from its SI unit to the unit of its text, and the name of that unit."""
         return (per(self.shown), self.shown) if self.shown else in_tables(self.unit)
 
     @property
     def in_kT(self) -> Quantity:
-        """This quantity, in k_B T if it is an energy."""
+        """Quantity with the unit k_B T instead of J; unchanged if it is not an energy."""
         return self._replace(unit="kT") if self.unit == "J" else self
 
     def __call__(
         self, value: ArrayLike | None, error: ArrayLike | None = None, *findings: str
     ) -> Measured:
-        """Return this quantity with its value, NaN for None, its error and its findings."""
+        """Return this quantity with its value (NaN for None), its error and its findings."""
         number = np.asarray(np.nan if value is None else value, np.float64)
         known = np.asarray(np.nan if error is None else error, np.float64)
         return Measured(self, number, known if self.kind else None, findings)
@@ -94,8 +94,8 @@ class Measured(NamedTuple):
     value: NDArray[np.float64]
     """value, or values along the dimension of the quantity, in its SI unit"""
     error: NDArray[np.float64] | None
-    """error of each value, or a single one for the length of a vector; NaN if it is not known;
-    None for a quantity without an error"""
+    """error of each value, or one error for the length of a vector; NaN if it is not known; None
+    for a quantity without errors"""
     findings: tuple[str, ...] = ()
     """findings about the number"""
 
@@ -106,7 +106,7 @@ class Measured(NamedTuple):
         return np.broadcast_to(known, self.value.shape)
 
     def in_kT(self, temperature: float) -> Measured:
-        """Return this number, in k_B T at a temperature (K) if it is an energy."""
+        """Return this number in k_B T at a temperature (K); unchanged if it is not an energy."""
         if self.of.unit != "J" or self.error is None:
             return self
         thermal = Boltzmann * temperature
@@ -126,12 +126,12 @@ class Measured(NamedTuple):
 
     @property
     def cells(self) -> tuple[str, str]:
-        """A single value and its error as text for a table whose heading has the unit."""
+        """A single value and its error as text, for a table whose heading contains the unit."""
         factor, _ = self.of.scale
         return rounded(factor * float(self.value), factor * float(self.errors))
 
     def row(self, name: str = "", *, detail: bool = False) -> Row:
-        """Return the row of a card: values and findings. name: of the row, if not the quantity's
+        """Return the row of a card with values and findings; `name` replaces the quantity's
         meaning.
         """
         findings = "; ".join(self.findings)
@@ -139,7 +139,7 @@ class Measured(NamedTuple):
 
 
 class Result(Shown):
-    """Base of results that list their numbers; see the docstring of this module."""
+    """Base of results that list their numbers, as described at the top of this module."""
 
     QUANTITIES: ClassVar[tuple[Quantity, ...]] = ()
     """every quantity that a result of this kind can have"""
@@ -161,7 +161,7 @@ class Result(Shown):
 def figure(name: str, *drawn: object) -> Figure:
     """Return the figure that a function of `tweezer.plots` draws.
 
-    The function is found by its name, because `tweezer.plots` imports the results that it draws.
+    The function is found by name, because `tweezer.plots` imports the results that it draws.
     """
     drawing: Figure = getattr(importlib.import_module("tweezer.plots"), name)(*drawn)
     return drawing

@@ -1,17 +1,17 @@
-"""The one table of units in which numbers are shown, each with its factor, found from its name."""
+"""The only table of units in which numbers are shown, with factors derived from their names."""
 
 from __future__ import annotations
 
 import functools
 import re
 
-#: Powers of ten of prefixes
+#: Powers of ten of the unit prefixes
 _POWERS = {"k": 3, "m": -3, "u": -6, "µ": -6, "n": -9, "p": -12, "f": -15, "a": -18, "z": -21}
 _FACTOR = re.compile(
     r"(?P<prefix>[kmuµnpfaz]?)(?:m|s|W|N|J|K|V|Pa|Hz|(?P<gram>g))(?:\^(?P<power>\d))?|rad|1"
     r"|10\^(?P<ten>-\d+)"
 )
-#: Of each SI unit those in which its numbers are usually written; tables and figures have the first
+#: Usual units for each SI unit; tables and figures use the first
 _UNITS = {
     "m": ("um", "nm", "mm", "m"),
     "s": ("ms", "us", "s"),
@@ -33,13 +33,13 @@ _UNITS = {
     "m/V": ("um/V",),
     "N/V": ("pN/V",),
 }
-#: Those of which the prefix does not follow the size of a number
+#: SI units whose shown unit does not depend on the magnitude of the number
 _ONE_ALONE = ("m^2", "m^2/s", "kg/s", "N m", "m/V", "N/V")
 
 
 @functools.cache
 def factor(unit: str) -> float:
-    """Return the factor of a unit to its SI unit by its prefixes: 1e-6 of "pN/um"."""
+    """Return the factor from a unit to its SI unit, according to its prefixes: 1e-6 for "pN/um"."""
     above, _, below = unit.partition("/")
     return float(f"1e{_power(above) - _power(below.strip('()'))}")
 
@@ -55,7 +55,7 @@ def _power(product: str) -> int:
     return power
 
 
-#: Factors of frequent units to the SI unit, as Pint has them, which takes half a second to import
+#: Factors of common units to the SI unit, equal to Pint's, whose import takes half a second
 FREQUENT = {
     unit: {name: factor(name) for name in names}
     for unit, names in _UNITS.items()
@@ -65,28 +65,28 @@ FREQUENT = {
 
 @functools.cache
 def per(unit: str) -> float:
-    """Return the factor from the SI unit to this one: 1e6 to "pN/um"."""
+    """Return the factor from the SI unit to this unit, such as 1e6 for "pN/um"."""
     return float(f"{1 / factor(unit):.12g}")
 
 
 def in_tables(unit: str) -> tuple[float, str]:
-    """Return the factor from the SI unit to that of tables and figures, and its name.
+    """Return the factor from an SI unit to the unit of tables and figures, and the name of that.
 
-    A unit without an entry in the table stays as it is; "1" has no name.
+    A unit that is not in the table is not converted; "1" has no name.
     """
     name = _UNITS[unit][0] if unit in _UNITS else unit
     return per(name) if name != unit else 1.0, "" if name == "1" else name
 
 
 def typeset(unit: str) -> str:
-    """Return the name of a unit with the signs that pages and figures have: "µm²" of "um^2"."""
+    """Return the name of a unit with typographic signs, as in pages and figures: "µm²"."""
     return re.sub(r"\bu(?=[msWV])", "µ", re.sub(r"(?<=[unp]m)\^2", "²", unit))
 
 
 def usual_unit(size: float, unit: str) -> tuple[float, str]:
     """Return the unit in which a magnitude is usually written as 1 to 1000, with its factor to SI.
 
-    size: magnitude in the SI unit `unit`.
+    `size` is the magnitude in the SI unit `unit`.
     """
     units = FREQUENT.get(unit, {unit: 1.0})
     below = {name: each for name, each in units.items() if each <= abs(size) * (1 + 1e-9)}
@@ -95,7 +95,7 @@ def usual_unit(size: float, unit: str) -> tuple[float, str]:
 
 
 def prefixed(size: float, unit: str) -> tuple[float, str]:
-    """Return the factor and the unit with the prefix with which `size` is 1 to 1000."""
+    """Return the factor and the unit whose prefix makes `size` a number from 1 to 1000."""
     if not unit or size == 0:
         return 1.0, unit
     signs = {0: "", **{power: each for each, power in _POWERS.items() if power < 0}}

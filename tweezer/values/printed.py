@@ -1,4 +1,4 @@
-"""Numbers in SI units as text, in the units in which results print them."""
+"""SI numbers as text, in the units in which results print them."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from tweezer.values.rounding import rounded, with_uncertainty
 
 
 def scaled(value: float, unit: str) -> float:
-    """Return a number in SI units in the unit with this name, in which it is printed."""
+    """Return an SI number converted to the unit with this name."""
     return per(unit) * value
 
 
 def in_unit(value: float, unit: str, digits: int = 4) -> str:
-    """Return an SI number as text in the unit with this name, without the unit."""
+    """Return an SI number as text in the unit with this name, without the name."""
     return f"{scaled(value, unit):.{digits}g}"
 
 
@@ -27,13 +27,13 @@ def printed(values: float | Iterable[float], unit: str, digits: int = 4) -> str:
 
 def pair(value: float, error: float, unit: str) -> tuple[str, str]:
     """Return an SI number and its uncertainty as texts in the unit with this name, without the
-    unit.
+    name.
     """
     return rounded(scaled(value, unit), scaled(error, unit))
 
 
 def with_error(value: float, error: float | None, unit: str, sign: str = "+-") -> str:
-    """Return an SI number as text with its uncertainty, if that is known, and the unit."""
+    """Return an SI number as text with its uncertainty, if known, and the unit."""
     error = math.nan if error is None else scaled(error, unit)
     return f"{with_uncertainty(scaled(value, unit), error, sign)} {unit}".rstrip()
 

@@ -1,11 +1,11 @@
-"""Numbers as text, with as many digits as their uncertainty leaves."""
+"""Numbers as text, with as many digits as their uncertainty justifies."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 
-#: Sizes between which a number is written without a power of ten.
+#: Range of magnitudes that are written without a power of ten.
 _PLAIN = (1e-6, 1e7)
 
 
@@ -29,14 +29,14 @@ def below_four_digits(value: float, uncertainty: float) -> bool:
 
 
 def _power(value: float, decimals: int) -> int:
-    """Return the power of ten of a number's first digit, once it is rounded to 1 + `decimals`."""
+    """Return the exponent of a number's first digit after rounding to 1 + `decimals` digits."""
     return int(f"{value:.{decimals}e}".partition("e")[2])  # 9.96 becomes 1.0e1 first
 
 
 def _to_place(value: float, place: int, size: float) -> str:
     """Return a number as text, rounded to the decimal place 10^place.
 
-    size: magnitude that decides whether the number is written with a power of ten.
+    The magnitude `size` determines whether a power of ten is written.
     """
     if not _PLAIN[0] <= size < _PLAIN[1]:
         power = math.floor(math.log10(size))
@@ -45,22 +45,20 @@ def _to_place(value: float, place: int, size: float) -> str:
 
 
 def least(value: float, digits: int = 3) -> str:
-    """Return a lower bound as text, rounded up, so that the number as written is allowed.
+    """Return a lower bound as text, rounded up, so that the printed number is allowed.
 
-    Bounds hold to 1 part in 1e9, as numbers that are rounded to the last bit do.
+    Bounds hold to 1 part in 1e9, which allows for rounding in the last bit.
     """
     return _towards(math.ceil, value, digits)
 
 
 def most(value: float, digits: int = 3) -> str:
-    """Return an upper bound as text, rounded down, so that the number as written is allowed."""
+    """Return an upper bound as text, rounded down, so that the printed number is allowed."""
     return _towards(math.floor, value, digits)
 
 
 def _towards(rounding: Callable[[float], int], value: float, digits: int) -> str:
-    """Return a number as text with so many digits, rounded by `rounding`: `math.ceil` or
-    `math.floor`.
-    """
+    """Return a number as text with `digits` digits, rounded by `math.ceil` or `math.floor`."""
     text = f"{value:.{digits}g}"
     if not math.isfinite(value) or math.isclose(float(text), value, rel_tol=1e-12):
         return text

@@ -11,14 +11,14 @@ from typing import Any, NamedTuple
 from tweezer.values.errors import ResultError, warn
 from tweezer.values.files import STANDARD_OUTPUT, digest, read_text
 
-#: Key of the digest in a file of JSON
+#: Key of the digest in a JSON file
 DIGEST = "sha256"
 
-#: Endings of files of runs, ensembles and sweeps
+#: Suffixes of files of runs, ensembles and sweeps
 RESULTS = (".nc", ".zarr")
-#: Ending of the file of a trap
+#: Suffix of the file of a trap
 SAVED_TRAP = ".json"
-#: Endings of recordings, by kind: text, HDF5 (also of runs), NumPy, MATLAB, LabVIEW
+#: Suffixes of recordings by format: text, HDF5 (also of runs), NumPy, MATLAB, LabVIEW
 TEXTS = (".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm", ".prn")
 HDF5 = (".h5", ".hdf5", ".nc")
 NUMPY, MATLAB, TDMS = (".npy", ".npz"), ".mat", ".tdms"
@@ -26,41 +26,41 @@ RECORDINGS = (*TEXTS, *HDF5, *NUMPY, MATLAB, TDMS)
 
 
 class Kind(NamedTuple):
-    """A kind of file, and what tweezer does with it.
+    """A kind of file, and the commands of tweezer that accept it.
 
-    A result (`KINDS`) is recognised by its content, another file (`OTHERS`) by its name.
+    A result (`KINDS`) is recognised by its content, any other file (`OTHERS`) by its name.
     """
 
     name: str
-    """such as "run" or "calibration\""""
+    """name of the kind, such as "run" or "calibration\""""
     told: str
-    """the name in words, with its article, for messages"""
+    """name in words with its article, for messages"""
     marks: tuple[str, ...]
     """names that every result of this kind contains: attributes, variables or dimensions of a
     dataset, or keys of a JSON file"""
     page: str = ""
-    """name of the page that shows it: PAGE in `viewing/of_PAGE.py` and `static/PAGE.js`; "" for
-    none"""
+    """name of the page that shows it, PAGE in `viewing/of_PAGE.py` and `static/PAGE.js`; "" without
+    a page"""
     compared: bool = False
     """whether `tweezer compare` accepts it"""
     command: str = ""
-    """command of tweezer that reads a file that is no result; "" for none"""
+    """command of tweezer that reads a file that is not a result; "" without a command"""
     endings: tuple[str, ...] = ()
-    """file name endings by which a file that is no result is recognised"""
+    """suffixes by which a file that is not a result is recognised"""
     of: str = ""
     """class of a result that is saved as JSON, as "MODULE:CLASS"; "" for a dataset"""
     within: str = ""
-    """key of the result in its JSON file; "" if the file contains nothing else"""
+    """key of the result in its JSON file; "" if the file contains only the result"""
     reader: str = ""
-    """module whose functions `content_of` and `result_in` write and read the JSON file; "" for a
-    result whose fields are the whole file"""
+    """module whose functions `content_of` and `result_in` convert to and from the JSON file; ""
+    for a result whose fields form the whole file"""
     several: bool = False
-    """whether the result is a tuple of objects of that class"""
+    """whether the result is a tuple of objects of this class"""
 
     def way(self, name: str) -> str:
-        """Return the end of a sentence on what can be done with the file `name`, from its "; " on.
+        """Return the end of a sentence, starting with "; ", on what can be done with a file.
 
-        It is "" if nothing can be done.
+        It is "" if tweezer cannot do anything with the file `name`.
         """
         ways = ["`tweezer view` shows it"] if self.page else []
         ways += ["`tweezer compare` compares it with another"] if self.compared else []
@@ -68,7 +68,7 @@ class Kind(NamedTuple):
         return f"; {' and '.join(ways)}" if ways else ""
 
 
-#: Results; the first kind whose marks are all found is the kind of a result
+#: Results; the kind of a result is the first one whose marks are all found
 KINDS = (
     Kind("light", "the light of a scene", ("scene", "gradient", "light_time")),
     Kind("sweep", "a sweep", ("scene", "over", "outcome"), "sweep", True),
@@ -91,7 +91,7 @@ KINDS = (
     Kind("tuning", "scaled runs beside the unscaled one", ("entries", "epsilon"),
          of="tweezer.runs.tuning:Tuning"),
 )  # fmt: skip
-#: Files that are no results, which are recognised by their names
+#: Files that are not results, recognised by their names
 OTHERS = (
     Kind("recording", "a recording", (), command="calibrate", endings=RECORDINGS),
     Kind("page", "a page or a report", (), endings=(".html",)),
@@ -103,7 +103,7 @@ COMPARED = tuple(each for each in KINDS if each.compared)
 
 
 def kind_of(result: Any) -> Kind | None:
-    """Return the kind of a dataset, of the content of a file of JSON, or of an object.
+    """Return the kind of a dataset, of the content of a JSON file, or of an object.
 
     A tuple is a result only of a kind with several objects. Returns None for an unknown kind.
     """
@@ -141,7 +141,7 @@ def kind_of_file(path: Path) -> Kind | None:
             from tweezer.values.hdf5 import names_in
 
             return _kind_with(names_in(path))
-    except Exception:  # readers raise of any kind where a file is damaged
+    except Exception:  # readers raise errors of any type for damaged files
         return None
     ending = path.suffix.lower()
     there = os.path.isfile(path)  # noqa: PTH113 - `Path.is_file` raises for a name that is too long
@@ -149,19 +149,19 @@ def kind_of_file(path: Path) -> Kind | None:
 
 
 def refusal(kind: Kind | None, command: str, taken: Iterable[Kind]) -> str:
-    """Return a message, from its verb on, that a command does not accept a result.
+    """Return a message, without its subject, that a command does not accept a result.
 
-    It says the kind of the result and names the kinds that the command accepts.
+    It states the kind of the result and lists the kinds that the command accepts.
     """
     is_ = f"is {kind.told}" if kind else "is no result that is known"
     return f"{is_}; `tweezer {command}` takes {', '.join(each.told for each in taken)}"
 
 
 def read_json(path: Path) -> Any:
-    """Return the content of a file of JSON, without its digest.
+    """Return the content of a JSON file, without its digest.
 
-    Raises `ResultError` if it cannot be read, or if its digest differs from its content. Warns of
-    a result without a digest: earlier versions wrote none.
+    Raises `ResultError` if it cannot be read, or if its digest differs from its content. Warns
+    about a result without a digest, as earlier versions wrote it.
     """
     found, sealed = _content(path)
     if not sealed and kind_of(found):
@@ -197,7 +197,7 @@ def _content(path: Path) -> tuple[Any, bool]:
 
 
 def check_ending(path: Path, formats: Iterable[str]) -> None:
-    """Raise `ResultError` unless the name ends in one of the formats, in small letters or large.
+    """Raise `ResultError` unless the name ends in one of the formats, in lower or upper case.
 
     JSON may also go to standard output.
     """

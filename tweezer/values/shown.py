@@ -1,7 +1,7 @@
 """Results as text in a terminal and as a table in Jupyter.
 
-A result lists what it shows once, as a `Card`. Its text, its HTML and the table of the command line
-are made from the card.
+A result lists its content once, as a `Card`, from which its text, its HTML and its table on the
+command line are made.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from html import escape
 from typing import NamedTuple
 
-#: Width of a text, in characters
+#: Width of a text, characters
 _WIDTH = 92
-#: Longest line of what may be long, such as changes of a scene
+#: Length at which long lines, such as changes of a scene, are cut
 _LONG = 240
 
-#: Borders and colours are those of the page around, whether it is light or dark
+#: Styles that inherit borders and colours from the page, whether it is light or dark
 _TABLE = "border-collapse: collapse; margin: 0.4em 0; color: inherit; background: transparent"
 _CELL = (
     "text-align: left; vertical-align: top; padding: 0.15em 0.9em 0.15em 0; color: inherit; "
@@ -30,13 +30,13 @@ class Row(NamedTuple):
 
     name: str
     value: str
-    """with its uncertainty and unit"""
+    """text of the value with its uncertainty and unit"""
     caveat: str = ""
-    """reason why the value is not valid, or less certain; "" for none"""
+    """reason why the value is invalid or less certain; "" for none"""
     detail: bool = False
-    """whether it is left out of the short text"""
+    """whether the short text omits the row"""
     of: str = ""
-    """name of the listed quantity that the row shows; "" if it shows none"""
+    """name of the quantity that the row shows; "" for other rows"""
 
     @property
     def told(self) -> str:
@@ -53,15 +53,15 @@ class Table(NamedTuple):
 
 @dataclass(frozen=True)
 class Card:
-    """The lines, tables and notes with which a result is shown."""
+    """Content with which a result is shown: rows, tables and notes."""
 
     kind: str
     """kind of the result, such as "Trap" or "Calibration", in its title"""
     of: str
-    """the scene or file from which it was computed"""
+    """scene or file from which the result was computed"""
     rows: tuple[Row, ...]
     tables: tuple[Table, ...] = ()
-    """tables, which are left out of the short text"""
+    """tables, which the short text omits"""
     notes: tuple[str, ...] = ()
     """sentences below the rows"""
 
@@ -88,7 +88,7 @@ class Shown:
 
 
 def as_text(card: Card) -> str:
-    """Return a card as text: the title, a line for each row that is no detail, and the notes."""
+    """Return a card as text: the title, a line for each row except details, and the notes."""
     rows = [row for row in card.rows if not row.detail]
     width = max((len(row.name) for row in rows), default=0)
     lines = [clipped(card.title)]
@@ -103,7 +103,7 @@ def as_text(card: Card) -> str:
 def _indented(text: str, first: str, then: str) -> list[str]:
     """Return a text wrapped to lines of 92 characters.
 
-    first, then: beginning of the first line, and of the others.
+    The first line begins with `first`, all others with `then`.
     """
     return textwrap.wrap(
         text, _WIDTH, initial_indent=first, subsequent_indent=then, break_on_hyphens=False
@@ -133,9 +133,7 @@ def as_html(card: Card) -> str:
 def _table(
     title: str, headings: tuple[str, ...], rows: list[tuple[str, ...]] | tuple[tuple[str, ...], ...]
 ) -> Iterator[str]:
-    """Yield the parts of an HTML table. headings: "" without any. rows: the first cell names the
-    row.
-    """
+    """Yield the parts of an HTML table; `headings` may be empty, first cells name their rows."""
     yield f'<table style="{_TABLE}">'
     if title:
         yield (

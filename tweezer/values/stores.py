@@ -1,7 +1,7 @@
-"""Zarr stores of results, opened only if they are whole and written as tweezer writes them.
+"""Zarr stores of results, opened only if they are complete and have the form that tweezer writes.
 
-Zarr would read a missing chunk as its fill value, and run decoders that the store names. Therefore
-the description of a store is checked before Zarr reads it.
+Zarr would replace a missing chunk by its fill value, and would run decoders that the store names.
+The description of a store is therefore checked before Zarr reads it.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from tweezer.values.files import digest, read_text, remove_left_over, write_whol
 
 #: Name of the description of a group or an array
 _ABOUT = "zarr.json"
-#: File with the checksums of a store's chunks, and a digest of these and of its description
+#: File with the checksums of a store's chunks, and a digest of these and of the description
 _SEAL = ".sha256"
 #: Sizes of numbers, bytes
 _SIZES = {"bool": 1, "int8": 1, "int16": 2, "int32": 4, "int64": 8, "float32": 4, "float64": 8}
-#: Largest uncompressed sizes, bytes: of all arrays together, and of a chunk of texts
+#: Largest uncompressed sizes, bytes, of all arrays together, and of a chunk of texts
 _MOST, _MOST_TEXTS = 2**31, 2**26
-#: Largest size of the times at which beads of an ensemble were lost, bytes
+#: Largest size of the times of loss of an ensemble, bytes
 _MOST_LOST = 2**28
 #: Size of the checksum at the end of a chunk, bytes
 _CHECKSUM = 4
@@ -74,7 +74,7 @@ class _Keys(_Part):
 
 
 class _Codec(_Part):
-    """A step in encoding the chunks: numbers to bytes, compression, or a checksum."""
+    """A step in encoding chunks: numbers to bytes, compression, or a checksum."""
 
     name: Literal["bytes", "vlen-utf8", "zstd", "crc32c"]
     configuration: dict[str, Any] = {}
@@ -94,7 +94,7 @@ class _Text(_Part):
 
 
 class _Array(_Part):
-    """Description of an array, as tweezer and xarray write it."""
+    """Description of an array in the form that tweezer and xarray write."""
 
     zarr_format: Literal[3]
     node_type: Literal["array"]
@@ -122,12 +122,12 @@ class _Array(_Part):
 
     @property
     def texts(self) -> bool:
-        """Whether the array contains texts of any length."""
+        """Whether the array contains texts of variable length."""
         return self.data_type == "string"
 
     @property
     def item(self) -> int:
-        """Size of one number or text, bytes; 1 for texts of any length."""
+        """Size of one number or text, bytes; 1 for texts of variable length."""
         if isinstance(self.data_type, _Text):
             return self.data_type.configuration.length_bytes
         return _SIZES.get(self.data_type, 1)
@@ -170,24 +170,25 @@ class _Described(NamedTuple):
     files: set[str]
     """names of all files in the store, relative to it"""
     sums: dict[str, str]
-    """checksums of chunks by their names; of an ensemble only once it is complete"""
+    """checksums of chunks by name; for an ensemble only once it is complete"""
 
 
 def open_store(path: Path) -> xr.Dataset:
-    """Return the result in a Zarr store, whose arrays are read when they are used.
+    """Return the result in a Zarr store, whose arrays are read on demand.
 
-    Raises `ResultError` for a folder that is no store of tweezer, is damaged, lacks files, or
+    Raises `ResultError` for a folder that is not a store of tweezer, is damaged, lacks files, or
     contains links, and later for an array that cannot be read. An ensemble may lack whole blocks
-    if it also lacks their chunks of `lost_time`, because these were not computed.
+    that were not computed, if their chunks of `lost_time` are missing too.
     """
     _check_whole(path, _described(path))
     return open_written(path)
 
 
 def open_written(path: Path) -> xr.Dataset:
-    """Return the result in a store that this program has written; see `open_store`.
+    """Return the result in a store that this program has written, without checking it.
 
-    Its chunks are not looked for: a file system may show those of other machines late.
+    The existence of chunks is not checked, because a file system may show the chunks of other
+    machines with a delay.
     """
     try:
         with warnings.catch_warnings(action="ignore"):  # texts are not yet in Zarr's specification
@@ -203,14 +204,13 @@ def open_written(path: Path) -> xr.Dataset:
             return store.assign(lazy)
     except ResultError:
         raise
-    except Exception as error:  # Zarr raises of any kind where a store is damaged
+    except Exception as error:  # Zarr raises errors of any type for a damaged store
         raise _unreadable(path, error) from None
 
 
 def description_of_store(path: Path) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the attributes of a store, whose chunks need not be there, and their checksums.
-
-    See `open_store`.
+    """Return the attributes of a store and the checksums of its chunks, some of which may be
+    missing.
     """
     found = _described(path)
     return found.attributes, found.sums
@@ -225,10 +225,10 @@ def names_in_store(path: Path) -> set[str]:
 
 
 def seal(path: Path, sums: Mapping[str, str] | None = None) -> None:
-    """Write a digest of the description of a store into it, by which damage is noticed.
+    """Write a digest of the description of a store into it, by which damage is detected.
 
-    sums: checksums of its chunks by their names, by which a chunk is noticed that is whole, but
-    of another place or store. Raises OSError.
+    `sums` has checksums of its chunks by name. They reveal an intact chunk that belongs to another
+    position or store. Raises `OSError` if the file cannot be written.
     """
     listed = "".join(f"{found} {name}\n" for name, found in sorted((sums or {}).items()))
     content = f"{digest(json.loads(read_text(path / _ABOUT)), listed)}\n{listed}"
@@ -237,9 +237,9 @@ def seal(path: Path, sums: Mapping[str, str] | None = None) -> None:
 
 
 def checksum(chunk: Path) -> str:
-    """Return the checksum at the end of a file of a chunk, which a reader compares with the rest.
+    """Return the checksum at the end of a chunk's file, which a reader compares with its content.
 
-    Raises OSError.
+    Raises `OSError` if the file cannot be read.
     """
     with chunk.open("rb") as file:
         file.seek(max(0, file.seek(0, os.SEEK_END) - _CHECKSUM))
@@ -247,13 +247,13 @@ def checksum(chunk: Path) -> str:
 
 
 def checksums(path: Path) -> dict[str, str]:
-    """Return the checksums of all chunks of a store by their names. Raises OSError."""
+    """Return the checksums of all chunks of a store by name; raises `OSError`."""
     chunks = (name for name in _files(path) if name.split("/")[1:2] == ["c"])
     return {name: checksum(path / name) for name in chunks}
 
 
 def _sealed(path: Path, about: object) -> dict[str, str]:
-    """Return the checksums that `seal` wrote; earlier versions wrote none."""
+    """Return the checksums that `seal` wrote; stores of earlier versions have none."""
     sealed, _, listed = read_text(path / _SEAL).partition("\n")
     if sealed != digest(about, listed):
         raise ResultError(
@@ -309,7 +309,7 @@ def _described(path: Path) -> _Described:
 
 
 def _files(path: Path) -> set[str]:
-    """Return the names of all files in a store. Raises `ResultError` for a link among them."""
+    """Return the names of all files in a store; raises `ResultError` if one is a link."""
     found = set()
     waiting = [""]
     for folder in waiting:
@@ -328,10 +328,10 @@ def _files(path: Path) -> set[str]:
 
 
 def _check_whole(path: Path, found: _Described) -> None:
-    """Raise `ResultError` unless all chunks of a store exist and unpack to the sizes declared.
+    """Raise `ResultError` unless all chunks of a store exist and decompress to the declared sizes.
 
-    An ensemble may lack blocks of trajectories that were not computed; its chunks of `lost_time`
-    show which were. found: description of the store.
+    An ensemble may lack blocks of trajectories that were not computed, as its chunks of `lost_time`
+    show. `found` is the description of the store.
     """
     total = sum(each.size for each in found.arrays.values() if each.compressed)
     if total > _MOST:
@@ -367,7 +367,7 @@ def _check_whole(path: Path, found: _Described) -> None:
 def _indices(array: _Array, blocks: list[int] | None) -> Iterator[tuple[int, ...]]:
     """Yield the indices of the chunks that an array must have.
 
-    blocks: indices along the first dimension; all if None.
+    `blocks` contains indices along the first dimension, or None for all.
     """
     ranges: list[Any] = [range(count) for count in array.counts]
     if blocks is not None:
@@ -376,7 +376,7 @@ def _indices(array: _Array, blocks: list[int] | None) -> Iterator[tuple[int, ...
 
 
 def _check_chunk(path: Path, name: str, array: _Array) -> None:
-    """Raise `ResultError` unless the file of a chunk has, or unpacks to, the right size."""
+    """Raise `ResultError` unless the file of a chunk has, or decompresses to, the correct size."""
     file = path / name
     size = array.item * math.prod(array.chunks)
     if array.compressed:
@@ -397,8 +397,8 @@ def _check_chunk(path: Path, name: str, array: _Array) -> None:
 def _unpacked(head: bytes) -> int | None:
     """Return the size that a Zstandard frame declares, bytes; None if it declares none.
 
-    head: first bytes of the frame (RFC 8878, 3.1.1). Its descriptor says how long the field of the
-    size is; a field of two bytes has 256 less than the size.
+    `head` contains the first bytes of the frame (RFC 8878, 3.1.1). Its descriptor determines the
+    length of the size field. A field of two bytes contains the size minus 256.
     """
     if len(head) < 6 or not head.startswith(_ZSTD):
         return None
@@ -412,14 +412,14 @@ def _unpacked(head: bytes) -> int | None:
 
 
 class _Guarded(xr.backends.BackendArray):
-    """Numbers of a variable in a store, read on demand; raises `ResultError` if that fails."""
+    """Values of a variable in a store, read on demand; raises `ResultError` if that fails."""
 
     def __init__(self, path: Path, variable: xr.Variable) -> None:
         self.path, self.variable = path, variable
         self.shape, self.dtype = variable.shape, variable.dtype
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
-        """Return the numbers at an index, as xarray asks for them."""
+        """Return the values at an index, in the way that xarray requires."""
         return indexing.explicit_indexing_adapter(
             key, self.shape, indexing.IndexingSupport.OUTER, self._read
         )
@@ -428,5 +428,5 @@ class _Guarded(xr.backends.BackendArray):
         """Return the numbers at an index of xarray."""
         try:
             return self.variable[key].values
-        except Exception as error:  # Zarr raises of any kind where a chunk is damaged
+        except Exception as error:  # Zarr raises errors of any type for a damaged chunk
             raise _unreadable(self.path, error) from None

@@ -1,9 +1,9 @@
-"""Quantities with units at the boundary: text such as "500 nm", and those of pint, to SI floats.
+"""Conversion of users' quantities to SI numbers: text such as "500 nm", and quantities of pint.
 
-Pint does the conversion; it is imported at the first unit that is not of `FREQUENT`. Of its units
-only those of `_UNIT` are known here in text: others mean something else than a user of a microscope
-expects (px is 1/96 inch, point 1/72 inch, Hz as an angular speed 1 rad/s). A quantity of pint, of
-whatever registry, is converted by its own.
+Pint does the conversion. It is imported at the first unit that is not in `FREQUENT`. Text may only
+contain units of `_UNIT`, because other units of pint have a meaning that a user of a microscope
+does not expect (px is 1/96 inch, point is 1/72 inch, Hz as an angular velocity is 1 rad/s). A
+quantity of pint, from any registry, is converted by its own registry.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 QuantityLike: TypeAlias = Union[float, str, "pint.Quantity[Any]", "xr.DataArray"]
-"""What a quantity is given as: a number in the SI unit, text with a unit, a quantity of pint, or a
-number of xarray with the attribute `units`."""
+"""Forms in which a quantity may be given: a number in the SI unit, text with a unit, a quantity of
+pint, or a number of xarray with the attribute `units`."""
 QuantitiesLike: TypeAlias = Union[QuantityLike, "NDArray[Any]", Sequence["QuantitiesLike"]]
-"""The same of several: an array, or a list of quantities, of lists, ..."""
+"""Forms in which several quantities may be given: an array, or a (nested) list of quantities."""
 
 _NUMBER_AND_UNIT = re.compile(
     r"(?P<number>[+-]?(?:[0-9]++\.?[0-9]*+|\.[0-9]++)(?:[eE][+-]?[0-9]++)?)\s*+(?P<unit>.*)"
@@ -45,16 +45,16 @@ _NAME = (
     r"|microns?|angstroms?|Å|min|minutes?|h|hours?|days?"
     r"|deg|degrees?|°|rpm|turns?|revolutions?)"
 )
-#: products of powers, such as kg/m^3 or kg/(m s); pint would also calculate and read comments
+#: Pattern of products of powers, such as kg/m^3 or kg/(m s); pint alone would also do arithmetic
 _POWER = rf"{_NAME}(?:(?:\^|\*\*)-?[1-9]|[²³])?"
 _FACTORS = rf"{_POWER}(?:(?:\s*[*/·]\s*|\s+){_POWER}){{0,7}}"
 _PRODUCT = rf"(?:1\s*/\s*)?{_FACTORS}(?:\s*/\s*\({_FACTORS}\))?"
 _UNIT = re.compile(rf"{_PRODUCT}|degC|degF|°[CF]|celsius|fahrenheit|dBm")
-#: of a frequency alone
+#: Pattern of units that are valid only for a frequency
 _HERTZ = re.compile(r"[mkM]?Hz|1/s")
-#: K at 0 degC
+#: Temperature at 0 degC, K
 _ZERO_CELSIUS = 273.15
-#: how each SI unit is usually written, the likeliest first
+#: Usual units for each SI unit, the most probable first
 _USUAL = {
     "m": ("um", "nm", "mm", "m"),
     "s": ("ms", "us", "s", "min"),
@@ -73,21 +73,21 @@ _USUAL = {
 
 @functools.cache
 def registry() -> pint.UnitRegistry:
-    """Return the registry of units with which all text is read, made once."""
+    """Return the unit registry for all text, created once."""
     import pint
 
-    # no cache on disk: pint's names files of the environment that wrote it, which others share
+    # no cache on disk: pint's cache names files of the environment that wrote it
     return pint.UnitRegistry()
 
 
 def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf) -> float:
     """Return a quantity as a number in the SI unit `unit`.
 
-    A bare number is taken to be in that unit. Text and quantities, of any registry of pint or an
-    xarray number with the attribute `units`, are converted.
+    A number without a unit is taken to be in that unit. Text, quantities of any pint registry, and
+    xarray numbers with the attribute `units` are converted.
 
-    Raises `ValueError`, saying what is allowed, for anything else, for a value that is not finite,
-    and for one outside `low` to `high`, which are in `unit`.
+    Raises `ValueError`, stating what is allowed, for anything else, for a value that is not finite,
+    and for a value outside `low` to `high`, which are in `unit`.
     """
     value = without_unit(value, unit)
     if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):  # NumPy's
@@ -108,10 +108,10 @@ def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf)
 
 
 def in_usual_unit(number: float, unit: str, bounds: tuple[float, float]) -> str:
-    """Return a bare number with the unit in which it probably was meant, such as "1.5 um".
+    """Return a number without unit with the unit that was probably meant, such as "1.5 um".
 
-    The unit is the first usual one in which the number lies within `bounds`, given in the SI unit
-    `unit`. Return "" if no unit fits.
+    It is the first usual unit for which the number is within `bounds`, given in the SI unit `unit`.
+    Returns "" if no unit fits.
     """
     for other in _USUAL.get(unit, ()):
         if other != unit and bounds[0] <= _from_text(f"{number:.17g} {other}", unit) <= bounds[1]:
@@ -120,9 +120,9 @@ def in_usual_unit(number: float, unit: str, bounds: tuple[float, float]) -> str:
 
 
 def array_in_si(values: Any, unit: str) -> NDArray[np.float64]:
-    """Return numbers of any shape in the SI unit `unit`, each read as by `to_si`.
+    """Return numbers of any shape in the SI unit `unit`, each converted as by `to_si`.
 
-    They may be an array of numbers, also one of pint or xarray with its unit, or nested lists of
+    They may be an array of numbers, also of pint or xarray with its unit, or nested lists of
     quantities. Raises `ValueError` for anything else.
     """
     values = without_unit(values, unit)
@@ -143,7 +143,7 @@ def in_base_units(values: Any) -> tuple[NDArray[np.float64], str]:
     """Return numbers of any shape and dimension in SI base units, with the name of their unit.
 
     This is for values whose unit is not known in advance, such as parameters of a user's force.
-    Numbers without a unit are taken as they are; the name is "" if none has one. Raises
+    Numbers without a unit are returned unchanged; the name is "" if none has a unit. Raises
     `ValueError` for values that `array_in_si` does not accept, and for units of different
     dimensions.
     """
@@ -171,7 +171,7 @@ def in_base_units(values: Any) -> tuple[NDArray[np.float64], str]:
         numbers = np.full(1, math.nan) if np.iscomplexobj(values) else np.asarray(values, float)
     except (TypeError, ValueError):
         numbers = np.full(1, math.nan)
-    if np.isnan(numbers).any():  # NumPy's reading of None, too
+    if np.isnan(numbers).any():  # NumPy also converts None to NaN
         raise ValueError(f"must be numbers{_or_text('SI')}")
     return numbers, unit
 
@@ -179,7 +179,7 @@ def in_base_units(values: Any) -> tuple[NDArray[np.float64], str]:
 def _of_our_registry(value: Any) -> pint.Quantity[Any]:
     """Return a quantity of pint or xarray in the registry of this module.
 
-    Base units of another registry need not be SI units.
+    This is needed because the base units of another registry may differ from SI units.
     """
     if hasattr(value, "attrs"):
         number, unit = value.values, str(value.attrs["units"])
@@ -187,15 +187,15 @@ def _of_our_registry(value: Any) -> pint.Quantity[Any]:
         number, unit = value.magnitude, str(value.units)
     try:
         return registry().Quantity(number, unit)
-    except Exception as error:  # pint has many, and tokens of Python's are among them
+    except Exception as error:  # pint raises errors of many types, even of Python's tokenizer
         raise ValueError(f"has a unit that is not known: {unit}") from error
 
 
 def without_unit(value: Any, unit: str) -> Any:
-    """Return the number or array of a quantity in the SI unit `unit`; anything without a unit as it
-    is.
+    """Return the number or array of a quantity in the SI unit `unit`.
 
-    Raises `ValueError` for a quantity of another dimension.
+    Values without a unit are returned unchanged. Raises `ValueError` for a quantity of another
+    dimension.
     """
     if not _has_unit(value):
         return value
@@ -207,9 +207,9 @@ def without_unit(value: Any, unit: str) -> Any:
         number = value.to(unit)
         turns = "radian" in dict(value.to_base_units().unit_items())
         difference = any(name.startswith("delta_") for name, _ in value.unit_items())
-    except Exception as error:  # pint of whatever version, or what behaves as pint
+    except Exception as error:  # from any version of pint, or a similar library
         raise ValueError(f"has the wrong unit; {_convertible(str(value.units), unit)}") from error
-    # pint takes 1 Hz as 1 rad/s, an angle as a plain number, and a difference of 5 degC as 5 K
+    # pint converts 1 Hz to 1 rad/s, an angle to a plain number, and 5 delta_degC to 5 K
     angle = turns and "rad" not in unit
     if angle or difference or (unit == "rad/s" and not turns):
         raise ValueError(f"has the wrong unit; {_convertible(str(value.units), unit)}")
@@ -225,7 +225,7 @@ def _has_unit(value: Any) -> bool:
 
 
 def bare(value: Any) -> Any:
-    """Return the number in a text without a unit; anything else as it is."""
+    """Return the number in a text without a unit; anything else unchanged."""
     try:
         return float(value) if isinstance(value, str) else value
     except ValueError:
@@ -242,12 +242,12 @@ def as_given(value: Any) -> str:
 
 
 def listed(value: Any) -> Any:
-    """Return an array of numbers or quantities as a list; anything else as it is."""
+    """Return an array of numbers or quantities as a list; anything else unchanged."""
     return list(value) if getattr(value, "ndim", 0) else value
 
 
 def _or_text(unit: str) -> str:
-    """Return the end of a message: the unit of a number, or text that may be given instead."""
+    """Return the end of a message: the unit of a number, or a text that may be given instead."""
     return f" in {unit}, or text with a unit such as {_example(unit)}" if unit else ""
 
 
@@ -259,7 +259,7 @@ def _example(unit: str) -> str:
 
 
 def _from_text(text: str, unit: str) -> float:
-    """Return the number in the SI unit `unit` of a text such as "500 nm", by table or by pint."""
+    """Return the number in the SI unit `unit` for a text such as "500 nm"."""
     number, given = _number_and_unit(text, unit)
     if (factor := FREQUENT.get(unit, {}).get(given)) is not None:
         return number * factor
@@ -271,7 +271,7 @@ def _from_text(text: str, unit: str) -> float:
 def _number_and_unit(text: str, unit: str) -> tuple[float, str]:
     """Return the number and the unit in a text; raises `ValueError` unless it has both.
 
-    unit: SI unit that is wanted, for the message.
+    `unit` is the required SI unit, for the message.
     """
     match = _NUMBER_AND_UNIT.fullmatch(text.strip())
     if not match or not unit:
@@ -295,10 +295,10 @@ def _by_pint(number: float, text: str, unit: str) -> float:
 
 
 def _convertible(text: str, unit: str) -> str:
-    """Return the end of a message, on the units that are allowed in place of the unit `text`.
+    """Return the end of a message, on the units that are allowed instead of the unit `text`.
 
-    It names the unit that was meant if `text` differs from it only in capitals, spaces, signs of a
-    product or the degree sign.
+    It suggests a unit if `text` differs from it only in case, spaces, signs of a product or the
+    degree sign.
     """
     if not unit:
         return "must be a number without one"
@@ -309,7 +309,7 @@ def _convertible(text: str, unit: str) -> str:
 
 
 def _folded(unit: str) -> str:
-    """Return a unit in a form for comparison: small letters without signs of products, powers or
+    """Return a unit in a form for comparison: lower case, without signs of products, powers or
     degrees.
     """
     return re.sub(r"[\s*·^°]|deg(?=[a-z])", "", re.sub("[µμ]", "u", unit.lower()))
@@ -317,11 +317,11 @@ def _folded(unit: str) -> str:
 
 @dataclasses.dataclass(frozen=True)
 class Quantity:
-    """Annotation of a Pydantic field: a quantity in the SI unit `unit`, from `low` to `high`.
+    """Annotation of a Pydantic field for a quantity in the SI unit `unit`, from `low` to `high`.
 
     The JSON schema contains all three. `usual` is the range of magnitudes in an optical trap. A
-    bare number outside it, unless it is 0, is read in `unit`, but was probably meant in another
-    unit.
+    number without a unit that is outside it (and not 0) is read in `unit`, but was probably meant
+    in another unit.
     """
 
     unit: str
@@ -331,7 +331,7 @@ class Quantity:
 
     def doubt(self, value: Any) -> str:
         """Return the end of a warning for a number that is unusual in the SI unit; "" for a usual
-        one.
+        number.
         """
         if isinstance(value, bool) or not isinstance(value, int | float):
             return ""
@@ -375,7 +375,7 @@ def entries(least: int, most: int | None = None) -> BeforeValidator:
     count = f"{least}" if most is None else f"{least} to {most}"
 
     def check(value: Any) -> Any:
-        """Return the value, an array as a list, or raise an error for another number of entries."""
+        """Return the value, an array as a list; raise an error for a wrong number of entries."""
         value = listed(value)
         if isinstance(value, list | tuple) and not least <= len(value) <= (most or least):
             raise PydanticCustomError("entries", "must have {count} entries", {"count": count})
@@ -400,10 +400,10 @@ def complex_number(largest: float) -> BeforeValidator:
 
 
 def _reading(read: Callable[[Any], Any]) -> BeforeValidator:
-    """Return a Pydantic validator from a function that raises `ValueError` with what is allowed."""
+    """Return a Pydantic validator from a function that raises `ValueError` for invalid values."""
 
     def checked(value: Any) -> Any:
-        """Return what `read` makes of a value; its `ValueError` becomes an error of Pydantic."""
+        """Return `read(value)`, with its `ValueError` converted to an error of Pydantic."""
         try:
             return read(value)
         except ValueError as error:
@@ -413,11 +413,11 @@ def _reading(read: Callable[[Any], Any]) -> BeforeValidator:
 
 
 def _parts(value: Any) -> tuple[Any, Any]:
-    """Return the real and imaginary part of a complex number in a form that users give."""
+    """Return the real and imaginary part of a complex number in any form that users may give."""
     value = without_unit(value, "")
     if isinstance(value, str):
         try:
-            if not _COMPLEX.fullmatch(value):  # `complex` also reads "inf", "nan" and 1_000
+            if not _COMPLEX.fullmatch(value):  # `complex` also accepts "inf", "nan" and 1_000
                 raise ValueError
             value = complex(value.replace(" ", ""))
         except ValueError:
@@ -432,9 +432,7 @@ def _parts(value: Any) -> tuple[Any, Any]:
 
 
 def _index(value: Any) -> float | tuple[float, float]:
-    """Return a refractive index that a user gives: a number if it is real, else real and imaginary
-    part.
-    """
+    """Return a user's refractive index: a number if it is real, else real and imaginary part."""
     real, imaginary = _parts(value)
     imaginary = to_si(imaginary, "")
     if not 0 <= imaginary <= _INDEX_IMAGINARY:
@@ -447,9 +445,7 @@ def _index(value: Any) -> float | tuple[float, float]:
 
 
 def _radii_or_length(value: Any) -> float | str:
-    """Return a reach that a user gives: a bare number, which counts radii, or a length as text in
-    m.
-    """
+    """Return a user's range of a force map: a number of bead radii, or a length as text in m."""
     if _has_unit(value):
         try:
             value = without_unit(value, "")
@@ -462,15 +458,15 @@ def _radii_or_length(value: Any) -> float | str:
     return f"{to_si(value, 'm', *_TABLE_LENGTH):.15g} m"
 
 
-# The ranges are wide: they keep what is computed from a scene finite, and catch a slip of units.
-# Of `usual`, see `Quantity`: beads in liquids.
-#: from and to, of a real index
+# The ranges are wide: they ensure that everything computed from a scene is finite, and detect
+# mistakes in units. `usual` (see `Quantity`) applies to beads in liquids.
+#: Range of a real refractive index
 _INDEX = (1.0, 10.0)
-#: from and to, of the real part of a complex index: metals have small ones
+#: Range of the real part of a complex refractive index, which is small for metals
 _INDEX_REAL = (0.01, 10.0)
-#: Largest imaginary part of an index
+#: Largest imaginary part of a refractive index
 _INDEX_IMAGINARY = 100.0
-#: from and to, of a map's reach in radii, and in m
+#: Allowed range of a force map in bead radii, and in m
 TABLE_RADII = (0.5, 20.0)
 _TABLE_LENGTH = (1e-8, 1e-3)
 RefractiveIndex = Annotated[float, Quantity("", *_INDEX)]
@@ -496,12 +492,12 @@ RadiiOrLength = Annotated[
 Length = Annotated[float, Quantity("m", -1, 1, usual=(0, 0.05))]
 PositiveLength = Annotated[float, Quantity("m", 1e-18, 1, usual=(0, 0.05))]
 Wavelength = Annotated[float, Quantity("m", 1e-18, 1e-3, usual=(1e-8, 1e-4))]
-#: Any length: 1 m says that the bead is never lost.
+#: Any length up to 1 m, which means that the bead is never lost
 LossDistance = Annotated[float, Quantity("m", 1e-18, 1)]
-#: m, from and to: also the ranges of half a diameter and half a waist
+#: Ranges of a bead radius and of a beam's sigma, m; also of half a diameter and half a waist
 BEAD_RADIUS = (1e-9, 1e-3)
 BEAM_SIGMA = (1e-9, 1.0)
-#: K, from and to: of a medium
+#: Range of the temperature of a medium, K
 TEMPERATURE = (50.0, 5000.0)
 BeadRadius = Annotated[float, Quantity("m", *BEAD_RADIUS)]
 BeamSigma = Annotated[float, Quantity("m", *BEAM_SIGMA, usual=(0, 0.05))]
@@ -516,7 +512,7 @@ Acceleration = Annotated[float, Quantity("m/s^2", -1e6, 1e6)]
 Frequency = Annotated[float, Quantity("1/s", 1e-6, 1e12)]
 Angle = Annotated[float, Quantity("rad", -1e6, 1e6)]
 AngularSpeed = Annotated[float, Quantity("rad/s", -1e12, 1e12)]
-#: m, from and to
+#: Range of the position of a wall, m
 WALL = (-1e-2, 1e-2)
 WallPosition = Annotated[float, Quantity("m", *WALL)]
 Energy = Annotated[float, Quantity("J", -1e-12, 1e-12, usual=(0, 1e-15))]

@@ -19,14 +19,14 @@ def fixed(values: ArrayLike) -> NDArray[np.float64]:
 
 
 def _read(values: Any) -> NDArray[np.float64]:
-    """Return the array of a file. Raises `ValueError` if it does not consist of numbers."""
+    """Return an array from a file; raises `ValueError` if it does not consist of numbers."""
     try:
         return fixed(values)
     except (TypeError, OverflowError) as error:
         raise ValueError(f"not an array of numbers: {error}") from None
 
 
-#: an array; in a file it is a list of numbers or of lists, with null for NaN
+#: Array that is saved as a (nested) list of numbers, with null for NaN
 Vector = Annotated[
     NDArray[np.float64],
     GetPydanticSchema(lambda *_: core_schema.no_info_plain_validator_function(_read)),
@@ -34,10 +34,10 @@ Vector = Annotated[
 
 
 class Comparable:
-    """Base of a dataclass (with `eq=False`) that has arrays among its fields."""
+    """Base of a dataclass (with `eq=False`) that contains arrays."""
 
     def __eq__(self, other: object) -> bool:
-        """Return whether all fields that are compared are equal; NaN is equal to NaN."""
+        """Return whether all compared fields are equal, where NaN equals NaN."""
         if type(other) is not type(self):
             return NotImplemented
         return all(
@@ -50,7 +50,7 @@ class Comparable:
 
 
 def _same(one: Any, other: Any) -> bool:
-    """Return whether two values or arrays are equal; NaN in arrays is equal to NaN."""
+    """Return whether two values or arrays are equal, where NaN in arrays equals NaN."""
     if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
         return np.array_equal(one, other, equal_nan=True)
     return bool(one == other)

@@ -1,4 +1,4 @@
-"""Versions of tweezer and of the libraries that its numbers depend on; what made a result."""
+"""Versions of tweezer and its numerical libraries, and provenance of results."""
 
 import datetime as dt
 import functools
@@ -18,15 +18,15 @@ def versions() -> dict[str, str]:
     return {"tweezer_version": __version__, **libraries}
 
 
-#: Attributes that say of what form a result is and what made it, and nothing of its numbers
+#: Attributes on the form and origin of a result, which its numbers do not depend on
 FORMAL = ("Conventions", "history", "title")
 
 
 def made_by(what: str, *, dated: bool) -> dict[str, str]:
-    """`Conventions` and `history` of a dataset (CF Conventions 1.11, 2.6.1 and 2.6.2).
+    """Return the attributes `Conventions` and `history` of a dataset (CF Conventions 1.11, 2.6).
 
-    what: the function that made it. dated: with the time of day; results that must have the same
-    bytes whenever they are computed go without.
+    `what` is the function that computed it. If `dated`, the time of day is included; results that
+    must have the same bytes in every computation omit it.
     """
     history = f"tweezer {__version__}: {what}"
     if dated:

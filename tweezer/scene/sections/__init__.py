@@ -1,6 +1,6 @@
 """Sections of a scene: bead, medium, lens, beam, start, forces, camera, optics, simulation.
 
-`__init__.pyi` lists the names that other packages use. They are loaded when first used.
+`__init__.pyi` lists the names for other packages, which are loaded when first used.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""Keys that have alternatives, go with a choice of another key, or are filled in by the scene."""
+"""Keys with alternatives, keys that depend on a choice, and keys that the scene fills in."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from pydantic import (
 from tweezer.scene.courses import Section, refusal
 from tweezer.values.units import to_si
 
-#: keys that say the same thing in two ways: exactly one of each pair is given
+#: Pairs of keys for the same property, of which exactly one must be given
 ALTERNATIVES: dict[str, tuple[tuple[str, str], ...]] = {
     "bead": (("radius", "diameter"),),
     "bead.layers": (("radius", "diameter"),),
     "beam": (("power", "power_through_pupil"), ("sigma", "waist")),
 }
-#: keys that go with some choices of another key, and are refused with the others
+#: Keys that belong to some choices of another key, and are refused with other choices
 BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
     "beam": {
         "sigma": ("profile", ("gaussian", "donut")),
@@ -32,19 +32,19 @@ BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
     },
     "start": {"ball_radius": ("drawn", ("ball",))},
 }
-#: Keys of a bead that it does not have beside `layers`
+#: Keys of a homogeneous bead, which are refused in addition to `layers`
 WITHIN_LAYERS = ("radius", "diameter", "refractive_index", "material")
-#: key of a section that names what it is made of, and the keys that the name gives
+#: Key that names the material of a section, and the keys that follow from the name
 NAMED: dict[str, tuple[str, tuple[str, ...]]] = {
     "bead": ("material", ("refractive_index", "density")),
     "medium": ("name", ("refractive_index", "density", "viscosity")),
 }
-#: key under which a scene says which keys of a section it has filled in
+#: Key under which a section lists the keys that the scene has filled in
 FILLED = "filled in"
 
 
 class Filled(Section):
-    """Base of a section in which a scene fills in keys; these are left out when it is written."""
+    """Base of a section in which a scene fills in keys; these are omitted when it is written."""
 
     _filled: frozenset[str] = PrivateAttr(frozenset())
 
@@ -56,7 +56,7 @@ class Filled(Section):
     @model_validator(mode="wrap")
     @classmethod
     def _some_filled_in(cls, data: Any, validated: ModelWrapValidatorHandler[Self]) -> Self:
-        """Remember the keys that the scene has filled in, which the data list under `FILLED`."""
+        """Record the keys that the scene has filled in, which the data list under `FILLED`."""
         if not isinstance(data, dict) or FILLED not in data:
             return validated(data)
         section = validated({key: value for key, value in data.items() if key != FILLED})
@@ -70,12 +70,12 @@ class Filled(Section):
         return {key: value for key, value in said.items() if key not in self._unsaid()}
 
     def _unsaid(self) -> frozenset[str]:
-        """Return the keys that are left out when the section is written."""
+        """Return the keys that are omitted when the section is written."""
         return self._filled
 
 
 def with_half(data: Any, key: str, other: str, low: float, high: float) -> Any:
-    """Return `data` with `other` rewritten as `key` = `other`/2; exactly one must be there."""
+    """Return `data` with `other` replaced by `key` = `other`/2; exactly one must be given."""
     if not isinstance(data, dict):
         return data
     exactly_one(data, key, other)

@@ -37,7 +37,7 @@ Moments = Annotated[tuple[MomentOfInertia, MomentOfInertia, MomentOfInertia], en
 
 
 class _Round(Filled):
-    """Base of a section with a `radius`, in place of which `diameter` may be given."""
+    """Base of a section with a `radius`, for which `diameter` may be given instead."""
 
     @property
     def diameter(self) -> float:
@@ -102,7 +102,7 @@ class Bead(_Round):
     @model_validator(mode="before")
     @classmethod
     def _size(cls, data: Any) -> Any:
-        """Replace a diameter in the data by the radius; refuse both, and others, beside layers."""
+        """Replace a diameter in the data by the radius; refuse size and index beside layers."""
         if not isinstance(data, dict) or data.get("layers") is None:
             return with_half(data, "radius", "diameter", *BEAD_RADIUS)
         for key in WITHIN_LAYERS:
@@ -114,14 +114,14 @@ class Bead(_Round):
     @classmethod
     def _outermost(cls, value: Any, info: ValidationInfo) -> Any:
         """Return the radius of the outermost layer, if there are layers."""
-        layers = info.data.get("layers", ())  # none in the data if they are not valid
+        layers = info.data.get("layers", ())  # missing from the data if they are not valid
         if layers is None:
             return value
         return layers[-1].radius if layers else BEAD_RADIUS[0]
 
     @model_validator(mode="after")
     def _some_index(self) -> Self:
-        """Refuse a bead without layers and without a refractive index."""
+        """Refuse a bead that has neither layers nor a refractive index."""
         if self.layers is None and self.refractive_index is None:
             raise refusal("refractive_index: missing")
         return self
@@ -138,7 +138,7 @@ class Bead(_Round):
         return self
 
     def _unsaid(self) -> frozenset[str]:
-        """Return the keys left out when the bead is written; with layers also the radius."""
+        """Return the keys omitted when the bead is written, with layers including the radius."""
         return self.filled if self.layers is None else self.filled | {"radius"}
 
     @property
@@ -151,12 +151,12 @@ class Bead(_Round):
 
     @property
     def body(self) -> Body:
-        """Mechanics of the bead: size, mass, moments of inertia, gap to a plane."""
+        """The bead as a rigid body: size, mass, moments of inertia, gap to a plane."""
         return Sphere(self.radius, self.density, self.moments_of_inertia)
 
     @property
     def index(self) -> complex:
-        """Refractive index n_P; with layers that of the outermost."""
+        """Refractive index n_P; for layers that of the outermost."""
         return self.shells[-1][1]
 
     @property
@@ -166,7 +166,7 @@ class Bead(_Round):
 
     @model_validator(mode="after")
     def _possible_inertia(self) -> Self:
-        """Refuse moments of inertia that no body has."""
+        """Refuse moments of inertia that no body can have."""
         if self.moments_of_inertia:
             largest = max(self.moments_of_inertia)
             if largest > sum(self.moments_of_inertia) - largest:
@@ -250,7 +250,7 @@ class Wall(Filled):
 
     @model_validator(mode="after")
     def _opposite_beyond(self) -> Self:
-        """Refuse a second plane that is not on the side of the first one where the bead is."""
+        """Refuse a second plane that is not on the bead's side of the first one."""
         if self.opposite is not None and self.normal * (self.opposite - self.position) <= 0:
             raise refusal(
                 f"opposite = {self.opposite:g}: must be on the side of the bead, {self.side} "

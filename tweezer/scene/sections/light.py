@@ -1,4 +1,4 @@
-"""Sections of a scene: the lens and its cover, beams, and how the force of light is computed."""
+"""Sections of a scene: the lens and its cover, beams, and the computation of optical forces."""
 
 from __future__ import annotations
 
@@ -39,7 +39,8 @@ Amplitude = Annotated[tuple[float, float], complex_number(1e100)]
 def _normalised(jones: tuple[Amplitude, Amplitude]) -> tuple[Amplitude, Amplitude]:
     """Return a Jones vector scaled to length 1.
 
-    Within rounding of that length it stays as it is, so that writing and reading do not change it.
+    A vector of this length within rounding is returned unchanged, so that saving and loading do not
+    change it.
     """
     length = math.hypot(*jones[0], *jones[1])
     if length < 1e-100:
@@ -165,8 +166,8 @@ class Beam(Section):
     @model_validator(mode="before")
     @classmethod
     def _one_way(cls, data: Any) -> Any:
-        """Replace a waist in the data by sigma, and give linear light without a Jones vector one
-        along x.
+        """Replace a waist in the data by sigma, and use a Jones vector along x for linear light
+        without one.
         """
         if not isinstance(data, dict):
             return data
@@ -178,8 +179,8 @@ class Beam(Section):
 
     @model_validator(mode="after")
     def _keys_of_the_choices(self) -> Self:
-        """Refuse keys that do not belong to the chosen profile or polarisation, and a lack of those
-        that do.
+        """Refuse keys that do not belong to the chosen profile or polarisation, and missing keys of
+        these choices.
         """
         for key, (chooser, choices) in BELONGING["beam"].items():
             choice, given = getattr(self, chooser), getattr(self, key) is not None
@@ -204,8 +205,8 @@ class Beam(Section):
 
     @model_validator(mode="after")
     def _whole_table(self) -> Self:
-        """Refuse an intensity profile whose radii do not ascend from 0 or differ in number from
-        intensities.
+        """Refuse an intensity profile whose radii do not ascend from 0, or differ in number from
+        the intensities.
         """
         if self.profile_radius is None or self.profile_intensity is None:
             return self
@@ -227,7 +228,7 @@ class Beam(Section):
 
 
 class Optics(Section):
-    """How the force of the light is computed."""
+    """Computation of the optical force: theory, evaluator and tolerances."""
 
     theory: TheoryName = Field(
         "auto",

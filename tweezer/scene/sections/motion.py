@@ -1,4 +1,4 @@
-"""Sections of a scene: the start, the forces, the camera, and how the motion is computed."""
+"""Sections of a scene: the start, the forces, the camera, and the computation of the motion."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class Start(Section):
 
     @model_validator(mode="after")
     def _some_ball(self) -> Self:
-        """Refuse a radius of a ball without a start that is drawn from it, and the reverse."""
+        """Refuse a ball radius unless the start is drawn from a ball, and the reverse."""
         if (self.drawn == "ball") != (self.ball_radius is not None):
             raise refusal("ball_radius: goes with drawn = 'ball', and with nothing else")
         return self
@@ -90,7 +90,7 @@ class Dlvo(Section):
 
 
 class Forces(Section):
-    """Which forces act, besides drag."""
+    """Forces that act on the bead, in addition to drag."""
 
     optical: StrictBool = Field(True, description="the light (3.26)")
     gravity: StrictBool = Field(True, description="gravity (2.11)")
@@ -109,7 +109,7 @@ class Forces(Section):
 
 
 class Camera(Section):
-    """A camera that sees the bead: positions averaged over an exposure, and noise."""
+    """A camera that records the bead: positions averaged over an exposure, and noise."""
 
     rate: Frequency = Field(description="frames a second; frame j is exposed from j/rate on")
     exposure: Annotated[float, Quantity("s", 0, 1e6)] = Field(
@@ -195,8 +195,8 @@ class Simulation(Section):
 
     @model_validator(mode="after")
     def _scaled_by(self) -> Self:
-        """Refuse the scaled model without its factor a2, and fixed steps of methods that do not
-        take them.
+        """Refuse the scaled model without its factor a2, and fixed steps for methods that do not
+        accept them.
         """
         if self.model == "scaled" and self.scaling_factor is None:
             raise refusal("scaling_factor: missing; the scaled model needs it")
