@@ -109,6 +109,7 @@ def _axis(dataset: xr.Dataset, dim: str) -> dict[str, Any]:
         numeric = values.dtype.kind in "if"
         described.append({
             "key": key,
+            "name": named(key),
             "about": str(dataset[key].attrs.get("long_name", "")),
             "unit": shown,
             "si": unit,
@@ -117,7 +118,7 @@ def _axis(dataset: xr.Dataset, dim: str) -> dict[str, Any]:
             "numeric": numeric,
             "log": numeric and _wide(values),
         })  # fmt: skip
-    return {"name": dim, "keys": described}
+    return {"name": named(dim), "keys": described}
 
 
 def _wide(values: NDArray[Any]) -> bool:

@@ -11,8 +11,8 @@ import { Stage, drawing } from "tweezer/stage";
 const PLANES = { "x–z": [0, 2], "y–z": [1, 2], "x–y": [0, 1] };
 const DASHES = { x: [], y: [7, 3], z: [2, 2.5] };
 const AXES = ["x", "y", "z"];
-// Cells of the density along an axis, and standard deviations on either side that are shown
-const CELLS = 48, SPREADS = 3.5;
+// Most cells of the density along an axis, and standard deviations on either side that are shown
+const MOST = 48, SPREADS = 3.5;
 // Pixels across the disc of a bead, and the ring of one that is lost
 const DISC = 3, LARGE = 6, RING = 8;
 // Number of beads above which discs are small
@@ -77,7 +77,9 @@ export function start(content, shell) {
     holder.append(make("div", { class: "tools" }, make("h3", {}, "Probability density"), list, ranges, caption));
     const chart = new Chart(shell, holder, { equal: true, label: "Density of the beads", paint: (pen) => paint(pen) });
     holder.append(bar.element);
-    const counted = new Int32Array(CELLS * CELLS);
+    // about one bead in a cell, so that the density is not the noise of its counts
+    const cells = Math.min(Math.max(Math.round(Math.sqrt(beads)), 8), MOST);
+    const counted = new Int32Array(cells * cells);
     const again = () => density(locate(times, clock.time)[0]);
     // no axes are narrower than this part of the widest spread: all beads may start at one place
     const widest = micro(spread.reduce((x, y) => (y > x ? y : x), 0));
@@ -90,13 +92,13 @@ export function start(content, shell) {
     };
     let most = 1;
     const paint = (pen) => {
-      const { left: x0, right, top, bottom } = chart.frame, wide = (right - x0) / CELLS, tall = (bottom - top) / CELLS;
+      const { left: x0, right, top, bottom } = chart.frame, wide = (right - x0) / cells, tall = (bottom - top) / cells;
       pen.fillStyle = css(VIRIDIS[0]);
       pen.fillRect(x0, top, right - x0, bottom - top);
       for (let k = 0; k < counted.length; k++) {
         if (!counted[k]) continue;
         pen.fillStyle = css(shade(VIRIDIS, counted[k] / most));
-        pen.fillRect(x0 + (k % CELLS) * wide, bottom - (Math.floor(k / CELLS) + 1) * tall, wide + 0.5, tall + 0.5);
+        pen.fillRect(x0 + (k % cells) * wide, bottom - (Math.floor(k / cells) + 1) * tall, wide + 0.5, tall + 0.5);
       }
     };
     density = (index) => {
@@ -110,13 +112,13 @@ export function start(content, shell) {
         const x = place[a][index * beads + n], y = place[b][index * beads + n];
         if (Number.isNaN(x)) continue;
         there++;
-        const i = Math.floor(((1e6 * x - x0) / (x1 - x0)) * CELLS), j = Math.floor(((1e6 * y - y0) / (y1 - y0)) * CELLS);
-        if (i < 0 || j < 0 || i >= CELLS || j >= CELLS) continue;
-        counted[j * CELLS + i]++;
+        const i = Math.floor(((1e6 * x - x0) / (x1 - x0)) * cells), j = Math.floor(((1e6 * y - y0) / (y1 - y0)) * cells);
+        if (i < 0 || j < 0 || i >= cells || j >= cells) continue;
+        counted[j * cells + i]++;
         within++;
       }
       most = counted.reduce((x, y) => Math.max(x, y), 1);
-      const area = (1e-6 * factor) ** 2 * ((x1 - x0) / CELLS) * ((y1 - y0) / CELLS);
+      const area = (1e-6 * factor) ** 2 * ((x1 - x0) / cells) * ((y1 - y0) / cells);
       caption.textContent = `${there - within} of ${there} beads beyond the axes`;
       bar.set([0, 0.5, 1].map((part) => `${text((part * most) / (there || 1) / area, 2)}${part === 1 ? ` /${unit}²` : ""}`));
       chart.canvas.setAttribute("aria-label", `Probability density of ${there} beads in the plane ${plane}, at most ${text(most / (there || 1) / area, 2)} /${unit}², over ${text(Math.max(x1 - x0, y1 - y0) * 1e-6 * factor, 2)} ${unit}`);

@@ -292,7 +292,10 @@ export function start(content, shell) {
     const index = number(picked), word = outcomeOf(index);
     const reason = words.reason[shell.array("reason")[index]], caveat = words.caveat[shell.array("caveat")[index]];
     const keys = axes.flatMap((axis, k) => axis.keys.map((key) => ({ key, at: picked[k] })));
-    const rows = quantities.flatMap((quantity) => {
+    const there = ({ name, along: parts }) => (parts.length ? parts : [""]).some(
+      (_, k) => !Number.isNaN(value(index, { quantity: { name, along: parts }, part: k })));
+    const absent = quantities.filter((quantity) => !there(quantity)).map(({ about }) => about);
+    const rows = quantities.filter(there).flatMap((quantity) => {
       const { name, about, unit, along: parts } = quantity;
       const body = (parts.length ? parts : [""]).map((part, k) => {
         const found = value(index, { quantity, part: k }), error = quantity.error ? value(index, { quantity, part: k }, `${name}_error`) : NaN;
@@ -306,18 +309,19 @@ export function start(content, shell) {
     });
     card.replaceChildren(
       make("h2", {}, `Case ${index + 1} of ${sizes.reduce((a, b) => a * b, 1)}`),
-      make("dl", {}, ...keys.flatMap(({ key, at }) => [make("dt", {}, key.key), make("dd", {}, keyWords(key, at))]),
+      make("dl", {}, ...keys.flatMap(({ key, at }) => [make("dt", {}, key.name), make("dd", {}, keyWords(key, at))]),
         make("dt", {}, "outcome"), make("dd", { class: "outcome" }, word)),
       ...(reason ? [make("p", { class: "warning" }, reason)] : []),
       ...(caveat ? [make("p", { class: "warning" }, `Caveat: ${caveat}`)] : []),
       make("div", { class: "scrolls", tabindex: 0, role: "region", "aria-label": "Numbers of the case" },
         make("table", {}, make("thead", {}, make("tr", {}, ...["quantity", "value", "error", "unit"].map((h) => make("th", { scope: "col" }, h)))),
           make("tbody", {}, ...rows))),
+      ...(absent.length ? [make("p", { class: "caption absent" }, `Without a value in this case: ${absent.join("; ")}`)] : []),
       make("p", { class: "caption" }, "To compute it alone, change the scene by ",
         make("code", {}, keys.map(({ key, at }) => `--set ${key.key}=${key.given[at]}`).join(" "))));
     if (told) {
       const shown = show.outcome ? word : spoken(value(index, show), show.quantity.unit);
-      shell.say(`${keys.map(({ key, at }) => `${key.key} ${keyWords(key, at)}`).join(", ")}: ${shown}, ${word}`);
+      shell.say(`${keys.map(({ key, at }) => `${key.name} ${keyWords(key, at)}`).join(", ")}: ${shown}, ${word}`);
     }
   };
 
@@ -375,7 +379,7 @@ function plain(axis) {
 
 function named({ about, along }, part) {
   if (!along.length) return about;
-  return `${about}, ${part < 0 ? "the least" : along[part]}`;
+  return `${about}, ${part < 0 ? "smallest" : along[part]}`;
 }
 
 function labelled(words, list) {
