@@ -1,8 +1,8 @@
-"""The thesis reproduced: its figures, its claims, and why its 500 nm bead is lost.
+"""Reproduction of the thesis: its figures, its claims, and why its 500 nm bead is lost.
 
-Everything here is computed with the thesis's printed parameters (Tables B.1 to B.4 and 5.1), by its
-own model and, beside it, by the unscaled equations; in the light of rays, and in the same light as
-waves; and in a fluid with inertia.
+Everything is computed with the thesis's printed parameters (Tables B.1 to B.4 and 5.1), by its own
+model and by the unscaled equations. The light is computed by ray optics, as in the thesis, and by
+wave optics. The motion is also computed in a fluid with inertia.
 """
 
 from tweezer.thesis.captures import Capture, captures

@@ -1,4 +1,4 @@
-"""The three captures without the scaling, in the light of rays and in the same light as waves."""
+"""The three captures by the unscaled equations, with ray optics and with wave optics."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ from tweezer.dynamics import bound_once
 from tweezer.thesis.runs import BEADS, Motions, unscaled_scene
 from tweezer.values.errors import TweezerError
 
-#: Distance from the place of rest at which a bead has arrived, m
+#: Distance from the rest position within which a bead has arrived, m
 ARRIVED = 20e-9
 
 
 @dataclass(frozen=True)
 class Capture:
-    """Capture of one unscaled bead: when, where and with what stiffness it comes to rest."""
+    """Capture of one unscaled bead: time of arrival, rest position and trap stiffness there."""
 
     bead: str
     """one of `BEADS`"""
     theory: str
     """one of `THEORIES`"""
     arrival: float
-    """time after which it stays within `ARRIVED` of its place of rest, s; infinite if it never
+    """time after which it stays within `ARRIVED` of its rest position, s; infinite if it never
     does"""
     overshoot: float
     """overshoot of q2 across the axis, m"""
     rest: float
-    """place of rest along the light, m from the focus"""
+    """rest position along the light, relative to the focus, m"""
     stiffness_across: float
-    """trap stiffness along x at the place of rest, N/m"""
+    """trap stiffness along x at the rest position, N/m"""
     stiffness_along: float
-    """trap stiffness along z, the light, at the place of rest, N/m"""
+    """trap stiffness along z, the light, at the rest position, N/m"""
 
 
 def captures(of_each_theory: Iterable[Mapping[str, Motions]]) -> list[Capture]:
@@ -46,7 +46,7 @@ def captures(of_each_theory: Iterable[Mapping[str, Motions]]) -> list[Capture]:
 
 
 def _capture(motions: Motions) -> Capture:
-    """Return the capture of the unscaled bead of `motions`, by its equilibrium and its run."""
+    """Return the capture of the unscaled bead of `motions`, from its equilibrium and its run."""
     equilibrium = bound_once(unscaled_scene(motions.bead, motions.theory)).equilibrium
     if equilibrium is None:
         raise TweezerError(f"thesis-{motions.bead}: no stable equilibrium by {motions.theory}")

@@ -20,7 +20,7 @@ from tweezer.values.errors import TweezerError
 from tweezer.values.prefixes import per, typeset
 
 _Value = TypeVar("_Value")
-#: The models of a motion: fields of `Motions`
+#: Models of a motion: names of fields of `Motions`
 MODELS = ("thesis", "unscaled")
 
 
@@ -29,22 +29,22 @@ class Claim:
     """A claim of the thesis with its verdict."""
 
     where: str
-    """section, figure or equation"""
+    """section, figure or equation of the thesis"""
     text: str
-    """the claim in our words"""
+    """the claim, paraphrased"""
     reading: str
-    """criterion of the verdict"""
+    """criterion for the verdict"""
     computed: str
     """result in words"""
     thesis: bool | None
-    """whether it holds for the thesis's own model; None if that does not apply"""
+    """whether it holds for the thesis's own model; None if this does not apply"""
     unscaled: bool | None
-    """whether it holds for the unscaled equations; None if that does not apply"""
+    """whether it holds for the unscaled equations; None if this does not apply"""
     numbers: dict[str, float] = field(default_factory=dict)
-    """the numbers in `computed`, in SI or the unit in the name"""
+    """the numbers in `computed`, in SI units or in the unit in their name"""
     by_waves: Claim | str | None = None
-    """the same claim judged with light as waves, or the reason why that is not possible; None if
-    not computed"""
+    """the same claim judged with wave optics, or the reason why that is not possible; None if not
+    computed"""
 
     @property
     def verdict(self) -> str:
@@ -60,19 +60,19 @@ class Claim:
 
     @property
     def verdict_by_waves(self) -> str:
-        """Verdict with light as waves in words, or the reason for none; "" if not computed."""
+        """Verdict with wave optics in words, or the reason for none; "" if not computed."""
         return self.by_waves.verdict if isinstance(self.by_waves, Claim) else self.by_waves or ""
 
 
 class Evidence:
-    """Motions of the three beads in light of one theory, and quantities that several claims use.
+    """Motions of the three beads with one theory of light, and quantities for several claims.
 
     In its methods `which` is a field of `Motions`, such as "unscaled", and `bead` is one of
     `BEADS`.
     """
 
     def __init__(self, by_bead: Mapping[str, Motions]) -> None:
-        """Take the motions by bead (`BEADS`), all in the light of one theory."""
+        """Store the motions by bead (`BEADS`), all with the same theory of light."""
         self.motions = by_bead
         (self.theory,) = {motions.theory for motions in by_bead.values()}
         self._equilibria: dict[str, Equilibrium] = {}
@@ -83,11 +83,11 @@ class Evidence:
         return run
 
     def scene(self, bead: str) -> Scene:
-        """Return the scene of a bead with the thesis's a2, in the light of the motions."""
+        """Return the scene of a bead with the thesis's a2, with the light of the motions."""
         return in_the_light(load_scene(f"thesis-{bead}"), self.theory)
 
     def unscaled_scene(self, bead: str) -> Scene:
-        """Return the scene of the unscaled bead, in the light of the motions."""
+        """Return the scene of the unscaled bead, with the light of the motions."""
         return unscaled_scene(bead, self.theory)
 
     def radius(self, bead: str) -> float:
@@ -95,19 +95,19 @@ class Evidence:
         return self.motions[bead].scene.bead.radius
 
     def each(self, which: str, quantity: Callable[[xr.Dataset], float]) -> dict[str, float]:
-        """Return a quantity of the run `which`, a field of `Motions`, for each bead."""
+        """Return a quantity of the run `which`, a field of `Motions`, by bead."""
         return {bead: quantity(self.run(which, bead)) for bead in BEADS}
 
     def of_runs(self, quantity: Callable[[xr.Dataset], float]) -> dict[str, dict[str, float]]:
-        """Return a quantity of a run by model ("thesis", "unscaled"), and in it by bead."""
+        """Return a quantity of a run by model ("thesis" or "unscaled"), then by bead."""
         return by_model(lambda which: self.each(which, quantity))
 
     def of_run(self, bead: str, quantity: Callable[[xr.Dataset], float]) -> dict[str, float]:
-        """Return a quantity of the run of one bead by model: "thesis" and "unscaled"."""
+        """Return a quantity of the run of one bead by model ("thesis" or "unscaled")."""
         return by_model(lambda which: quantity(self.run(which, bead)))
 
     def of_summary(self, bead: str, quantity: Callable[[Summary], _Value]) -> dict[str, _Value]:
-        """Return a quantity of the summary of one bead's run by model: "thesis" and "unscaled"."""
+        """Return a quantity of the summary of one bead's run by model ("thesis" or "unscaled")."""
         return by_model(lambda which: quantity(self.motions[bead].summary(which)))
 
     def overshoot(self, which: str) -> dict[str, float]:
@@ -119,9 +119,9 @@ class Evidence:
         return self.motions[bead].summary(which).outcome == "captured"
 
     def equilibrium(self, bead: str) -> Equilibrium:
-        """Return the stable equilibrium of light and weight of the unscaled bead.
+        """Return the stable equilibrium of light and weight for the unscaled bead, cached.
 
-        It is computed once. Raises `TweezerError` if there is none.
+        Raises `TweezerError` if there is none.
         """
         if bead not in self._equilibria:
             found = bound_once(self.unscaled_scene(bead)).equilibrium
@@ -132,12 +132,12 @@ class Evidence:
 
 
 class Judgement(NamedTuple):
-    """Result of judging a claim by the motions."""
+    """Result of judging a claim from the motions."""
 
     computed: str
     """result in words"""
     holds: Mapping[str, bool]
-    """whether the claim holds, by model; without a model to which it does not apply"""
+    """whether the claim holds, by model; a model to which it does not apply is missing"""
     numbers: dict[str, float]
     """finite numbers in `computed`"""
 
@@ -172,17 +172,17 @@ def judged(
 
 
 class Criterion(NamedTuple):
-    """A claim of the thesis, its criterion, and the function that judges it by motions."""
+    """A claim of the thesis, its criterion, and the function that judges it from motions."""
 
     judge: Callable[[Evidence], Judgement]
     where: str
     """section, figure or equation of the thesis"""
     text: str
-    """the claim in our words"""
+    """the claim, paraphrased"""
     reading: str
     """condition under which the claim holds"""
     without_waves: str = ""
-    """why it has no counterpart in light as waves; "" if it has one"""
+    """reason why it cannot be judged with wave optics; "" if it can"""
 
     def __call__(self, evidence: Evidence) -> Claim:
         """Return the claim with its verdict."""
@@ -192,15 +192,15 @@ class Criterion(NamedTuple):
 
 
 def by_model(quantity: Callable[[str], _Value]) -> dict[str, _Value]:
-    """Return a quantity for each model, by "thesis" (the scaled model) and "unscaled"."""
+    """Return a quantity for each model: "thesis" (the scaled model) and "unscaled"."""
     return {which: quantity(which) for which in MODELS}
 
 
 def in_words(values: Mapping[str, float], unit: str = "", digits: int = 2) -> str:
     """Return values by bead as text, such as '500 nm: 1.2, 990 nm: 3.4 µm'.
 
-    values: in SI units. unit: in which they are written. digits: significant ones. A value that is
-    not finite is "none".
+    `values` are in SI units and are written in `unit` with this number of significant digits.
+    Values that are not finite become "none".
     """
     shown = {
         bead.replace("nm", " nm"): (
@@ -213,37 +213,37 @@ def in_words(values: Mapping[str, float], unit: str = "", digits: int = 2) -> st
 
 
 def number(value: float, unit: str, form: str) -> str:
-    """Return an SI value as text in a unit, such as '0.060 µm'. form: format of the number."""
+    """Return an SI value as text in a unit, such as '0.060 µm', with the number format `form`."""
     return f"{value * per(unit):{form}} {typeset(unit)}"
 
 
 def falling(values: Mapping[str, float]) -> bool:
-    """Return whether values by bead fall as the bead grows."""
+    """Return whether values by bead decrease with increasing size of the bead."""
     return all(small > large for small, large in itertools.pairwise(values[bead] for bead in BEADS))
 
 
 def rising(values: Mapping[str, float]) -> bool:
-    """Return whether values by bead rise as the bead grows."""
+    """Return whether values by bead increase with increasing size of the bead."""
     return all(small < large for small, large in itertools.pairwise(values[bead] for bead in BEADS))
 
 
 def on_the_way(run: xr.Dataset, name: str) -> np.ndarray:
     """Return the variable `name` of a run until the first closest approach, (samples, ...).
 
-    The release is left out, because the bead is at rest there. Without an approach it is the whole
-    run.
+    The release is omitted, because the bead is at rest there. Without an approach the whole run is
+    returned.
     """
     approach = closest_approach(run)
     return run[name].values[1 : None if approach is None else approach + 1]
 
 
 def at_approach(run: xr.Dataset, name: str) -> float:
-    """Return the variable `name` of a run at the first closest approach; NaN if there is none."""
+    """Return the variable `name` of a run at the first closest approach; NaN without one."""
     approach = closest_approach(run)
     return math.nan if approach is None else float(run[name].values[approach])
 
 
 def net_force(run: xr.Dataset) -> np.ndarray:
-    """Return the magnitudes of the net motion force at the samples of a run, (samples,) N."""
+    """Return the magnitudes of the net motion force at the samples of a run, (samples,), N."""
     size: np.ndarray = np.linalg.norm(run["net_force"].values, axis=1)
     return size

@@ -1,7 +1,7 @@
 """Counterparts of the thesis's Figures 5.1 to 5.15 and C.1 to C.12.
 
-On the left the thesis's model, on the right the unscaled equations; dark the motion without noise,
-light the same with thermal force and torque. A ring marks the first closest approach (FCA).
+The thesis's model is on the left, the unscaled equations on the right. Motion without noise is
+dark, motion with thermal force and torque is light. A ring marks the first closest approach (FCA).
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ Draw = Callable[["Axes", xr.Dataset, xr.Dataset, str], None]
 def figure(number: str, motions: Motions) -> Figure:
     """Draw the counterpart of the thesis's figure `number`, "5.1" to "5.15" or "C.1" to "C.12".
 
-    motions: of the bead that `FIGURES` names. Raises `SceneError` for another bead.
+    `motions` must be those of the bead in `FIGURES`. Raises `SceneError` for another bead.
     """
     title, bead, draw, same_scale = FIGURES[number]
     if motions.bead != bead:
@@ -48,16 +48,16 @@ def figure(number: str, motions: Motions) -> Figure:
         run = getattr(motions, side)
         draw(axes, run, getattr(motions, f"{side}_thermal"), side)
         axes.set_title(_heading(run, side))
-        axes.tick_params(labelleft=True)  # numbers on both sides
+        axes.tick_params(labelleft=True)  # tick labels on both sides
     told = f"Figure {number}: {title}, {bead[:-2]} nm bead"
     style.add_title(drawn, told, "pale: with thermal motion; ring: first closest approach")
     return drawn
 
 
 def _heading(run: xr.Dataset, side: str) -> str:
-    """Return the title of a panel: the model, its a2, and the status of a run that is not complete.
+    """Return the title of a panel: the model, its a2, and the status of an incomplete run.
 
-    side: "thesis" or "unscaled".
+    `side` is "thesis" or "unscaled".
     """
     status = "" if run.attrs["status"] == "complete" else f", {run.attrs['status']}"
     if side == "thesis":
@@ -66,7 +66,7 @@ def _heading(run: xr.Dataset, side: str) -> str:
 
 
 def _time(run: xr.Dataset) -> np.ndarray:
-    """Return the times of the samples of a run, (n,) ms."""
+    """Return the times of the samples of a run, (n,), ms."""
     return run["time"].values * per("ms")
 
 
@@ -80,7 +80,8 @@ def _mark(
 ) -> None:
     """Mark the first closest approach (FCA) of a run on the curve (x, y), if it has one.
 
-    x, y: (n,) values at the samples. marker: "o" for a ring, "*" for a star. of: end of the label.
+    `x` and `y` (n,) are values at the samples. `marker` is "o" for a ring or "*" for a star, and
+    `of` is the end of the label.
     """
     approach = closest_approach(run)
     if approach is not None:
@@ -92,8 +93,9 @@ def _mark(
 
 
 def _coordinate(axis: str, name: str) -> Draw:
-    """Return a function that draws a coordinate over time. axis: "x", "y" or "z". name: on the
-    axis.
+    """Return a function that draws the coordinate `axis` ("x", "y" or "z") over time.
+
+    `name` is its name on the axis of the figure.
     """
 
     def draw(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
@@ -147,17 +149,17 @@ def _force_distance(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str)
 
 
 def _signed(force: np.ndarray) -> np.ndarray:
-    """Return the magnitudes of vectors, (n, 3), with the signs of their z components."""
+    """Return the magnitudes of vectors (n, 3), with the signs of their z components."""
     length: np.ndarray = np.copysign(np.linalg.norm(force, axis=1), force[:, 2])
     return length
 
 
 def _with_random_force(thermal: xr.Dataset) -> np.ndarray:
-    """Return the mean of all forces but drag over each sampling interval, (n - 1, 3) N.
+    """Return the mean of all forces except drag over each sampling interval, (n - 1, 3), N.
 
-    It follows from a thermal run by Newton's law as (m dv + beta dr)/h, with the changes dv and dr
-    of velocity and position in the interval h, the drag beta, and the mass m (m/a2 in the scaled
-    model).
+    It follows from a thermal run by Newton's law as (m dv + beta dr)/h. Here dv and dr are the
+    changes of velocity and position in the interval h, beta is the drag, and m is the mass (m/a2 in
+    the scaled model).
     """
     scene = scene_of(thermal)
     bead = bead_properties(scene)
@@ -206,11 +208,11 @@ def _planar(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None
     _mark(axes, q1, q2, run)
     axes.plot(0, 0, "+", color=style.LIGHT, ms=7)
     axes.set(xlabel="q1 (µm)", ylabel="q2 (µm)")
-    axes.locator_params(axis="x", nbins=6)  # more, with three decimals, would overlap
+    axes.locator_params(axis="x", nbins=6)  # more labels, with three decimals, would overlap
 
 
 def _orientation(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, _side: str) -> None:
-    """Draw the four Euler parameters over time, with noise pale."""
+    """Draw the four Euler parameters over time, pale with noise."""
     for i, mark in enumerate(style.SERIES[:4]):
         noisy = thermal["orientation"][:, i]
         axes.plot(_time(thermal), noisy, color=mark.colour, lw=0.6, alpha=0.4)
@@ -249,9 +251,9 @@ _THEORY_LINES = {"rays": style.SERIES[1], "waves": style.SERIES[0]}
 
 @style.styled
 def captures_figure(of_each_theory: Iterable[Mapping[str, Motions]]) -> Figure:
-    """Draw q2 and q3 of the three unscaled beads over time, in the light of rays and as waves.
+    """Draw q2 and q3 of the three unscaled beads over time, with ray optics and wave optics.
 
-    The runs are without noise. of_each_theory: motions by bead (`BEADS`), for each theory.
+    The runs are without noise. `of_each_theory` has the motions by bead (`BEADS`) for each theory.
     """
     drawn = style.new(style.PAGE, 4.6)
     panels = drawn.subplots(2, len(BEADS), sharex="col")
@@ -278,11 +280,11 @@ _READING_LINES = dict(zip(READINGS, ("-", "--", ":"), strict=True))
 
 @style.styled
 def memory_figure(by_bead: Mapping[str, Motions], found: Iterable[Remembered]) -> Figure:
-    """Draw the effect of the fluid's inertia on the three beads in the light of rays.
+    """Draw the effect of fluid inertia on the three beads, with ray optics.
 
-    Above is |q2| of the unscaled bead without and with it, below q2 with the printed a2 by each
-    reading. by_bead: motions in the light of rays. found: comparisons, of which those by rays are
-    drawn.
+    The upper panels show |q2| of the unscaled bead without and with fluid inertia, the lower ones
+    q2 with the printed a2 for each of `READINGS`. `by_bead` has the motions with ray optics, and
+    `found` the comparisons, of which only those with ray optics are drawn.
     """
     of_rays = {each.bead: each for each in found if each.theory == "rays"}
     drawn = style.new(style.PAGE, 4.6)
@@ -354,7 +356,7 @@ def study_figure(study: Study) -> Figure:
 
 
 def _draw_capture(axes: Axes, study: Study) -> None:
-    """Draw the overshoot by a2 and power; a cross marks a bead that does not end in the trap."""
+    """Draw the overshoot by a2 and power, with a cross for a bead that does not end in the trap."""
     columns, rows = np.arange(len(study.factors)), np.arange(len(study.powers))
     image = axes.pcolormesh(
         columns, rows, np.where(study.captured, study.overshoot, np.nan) * per("um"),

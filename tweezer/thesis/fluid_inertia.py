@@ -1,8 +1,8 @@
-"""The captures once more in a fluid with inertia: the thesis's next step (chapter 6).
+"""The captures in a fluid with inertia, which the thesis proposes as the next step (chapter 6).
 
-Stokes's law is for steady flow. The thesis names the equation of Maxey and Riley (Phys. Fluids 26,
-883 (1983)) for the flow of a bead that accelerates; for a fluid at rest its forces are the added
-mass and the memory of Boussinesq and Basset, which `medium.inertia = "memory"` has.
+Stokes's law applies to steady flow. For the flow around an accelerating bead, the thesis cites the
+equation of Maxey and Riley (Phys. Fluids 26, 883 (1983)). For a fluid at rest its forces are the
+added mass and the memory of Boussinesq and Basset, which `medium.inertia = "memory"` includes.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from tweezer.runs.simulation import simulate
 from tweezer.scene import Scene, load_scene
 from tweezer.thesis.runs import BEADS, Motions, in_the_light
 
-#: Readings of the scaled model: what has the inertia that a2 divides, and what else has inertia
+#: Readings of the scaled model: which inertia a2 divides, and which inertia is unscaled
 READINGS = ("the bead alone", "the bead, fluid as it is", "bead and fluid")
 
 
 @dataclass(frozen=True)
 class Scaled:
-    """Motion of a bead with the printed a2, by one reading of the term that a2 divides."""
+    """Motion of a bead with the printed a2, for one reading of the term that a2 divides."""
 
     reading: str
     """one of `READINGS`"""
@@ -34,21 +34,21 @@ class Scaled:
     overshoot: float
     """overshoot of q2 across the axis, m"""
     time: np.ndarray
-    """s, (n,)"""
+    """(n,) times of the samples, s"""
     q2: np.ndarray
-    """m, (n,)"""
+    """(n,) coordinate y, across the light, m"""
 
 
 @dataclass(frozen=True)
 class Remembered:
-    """Motion of a bead in a fluid without inertia compared with one in a fluid with it."""
+    """Motion of a bead in a fluid without inertia, compared with the motion in a fluid with it."""
 
     bead: str
     """one of `BEADS`"""
     theory: str
     """one of `THEORIES`"""
     off: float
-    """largest distance between the unscaled beads at the same time, m"""
+    """largest distance between the unscaled beads without and with fluid inertia, m"""
     within: tuple[float, float]
     """times at which the unscaled bead comes within a radius of the focus, s: without fluid
     inertia, and with it"""
@@ -59,13 +59,13 @@ class Remembered:
 
 
 def remembered(of_each_theory: Iterable[Mapping[str, Motions]]) -> list[Remembered]:
-    """Return the comparison for every bead by each theory, from the motions by bead (`BEADS`)."""
+    """Return the comparison for every bead and theory, from the motions by bead (`BEADS`)."""
     by_theory = list(of_each_theory)
     return [_remembered(by_bead[bead]) for bead in BEADS for by_bead in by_theory]
 
 
 def _remembered(motions: Motions) -> Remembered:
-    """Return the comparison for one bead from its motions, and run it with the printed a2."""
+    """Return the comparison for one bead from its motions, adding runs with the printed a2."""
     without, with_memory = motions.unscaled, motions.remembering
     radius = motions.scene.bead.radius
     return Remembered(
@@ -79,7 +79,7 @@ def _remembered(motions: Motions) -> Remembered:
 
 
 def _within(run: xr.Dataset, distance: float) -> float:
-    """Return the first time at which the bead comes within `distance`, m, of the focus, s.
+    """Return the first time at which the bead is within `distance`, m, of the focus, s.
 
     It is interpolated linearly between samples.
     """
@@ -89,7 +89,7 @@ def _within(run: xr.Dataset, distance: float) -> float:
 
 
 def _scaled(motions: Motions, reading: str) -> Scaled:
-    """Run a bead with the printed a2 by one of `READINGS`, without noise.
+    """Simulate a bead with the printed a2 for one of `READINGS`, without noise.
 
     A run of `_all_inertia_scaled` takes `unit` seconds for each second of the scaled motion.
     """
@@ -116,12 +116,12 @@ def _scaled(motions: Motions, reading: str) -> Scaled:
 
 
 def _all_inertia_scaled(printed: Scene) -> tuple[Scene, float]:
-    """Return a scene that moves as if all densities were divided by a2, and its factor of time.
+    """Return a scene that moves as if all densities were divided by a2, and its time factor u.
 
     With the time t' = u t, u = sqrt(a2), the equation (m/a2) x'' + beta x' = F becomes m x'' + u
     beta x' = F, where m is the mass, beta the drag and F the force. The memory of the fluid scales
-    in the same way. So the scene is unscaled, has u times the viscosity, and lasts u times as long.
-    The factor is u.
+    in the same way. The scene is therefore unscaled, has u times the viscosity, and takes u times
+    as long.
     """
     unit = math.sqrt(printed.simulation.scaling_factor or 1.0)
     return printed.replace(

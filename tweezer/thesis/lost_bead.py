@@ -1,4 +1,4 @@
-"""Why the thesis's 500 nm bead is lost, and what would trap it: a parameter study."""
+"""Parameter study of why the thesis's 500 nm bead is lost, and what would trap it."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ _BEAD = "thesis-500nm"
 _FACTORS = (1e-5, 2e-5, 3e-5, 4e-5, 5e-5, 1e-4, 3e-4, 1e-3, 1e-2)
 _POWERS = (30, 60, 80, 100, 120, 156, 200, 300)
 _THERMAL_TRAJECTORIES = 200
-#: Approximate duration of the ensemble with thermal motion, in runs without noise
+#: Approximate work of the ensemble with thermal motion, in units of a run without noise
 _THERMAL_WORK = 40
 
 
 @dataclass(frozen=True)
 class Variant:
-    """Fate of the thesis's 500 nm bead with one parameter changed."""
+    """Outcome for the thesis's 500 nm bead with one parameter changed."""
 
     group: str
     """kind of the change: a2, force, lens, polarisation, power, start"""
@@ -41,15 +41,15 @@ class Variant:
     overshoot: float
     """overshoot of q2 across the axis, m"""
     crossings: int
-    """number of crossings of the axis by q2, of more than 1 nm, after the first closest approach"""
+    """number of crossings of the axis by q2, by more than 1 nm, after the first closest approach"""
     time: np.ndarray
     """(n,) times of the samples, s"""
     q2: np.ndarray
-    """(n,) coordinate y across the light, m"""
+    """(n,) coordinate y, across the light, m"""
 
     @property
     def as_claimed(self) -> bool:
-        """Whether it is trapped and oscillates (Figure 5.1)."""
+        """Whether the bead is trapped and oscillates, as in Figure 5.1."""
         return self.outcome == "captured" and self.crossings >= 2
 
 
@@ -58,24 +58,24 @@ class Study:
     """Parameter study of the thesis's 500 nm bead in the scaled model."""
 
     variants: list[Variant]
-    """motions, first that with all parameters as printed"""
+    """motions; the first one has all parameters as printed"""
     factors: tuple[float, ...]
-    """a2 of the columns of `captured`"""
+    """values of a2 in the columns of `captured`"""
     powers: tuple[float, ...]
-    """power of the rows, before the pupil, mW"""
+    """powers in the rows of `captured`, before the pupil, mW"""
     captured: np.ndarray
-    """(powers, factors) booleans: whether the bead is captured"""
+    """(powers, factors) whether the bead is captured"""
     overshoot: np.ndarray
     """(powers, factors) overshoot of q2 across the axis, m"""
     kept: int
-    """number of trajectories with thermal motion, all else as printed, that end within a radius of
-    the focus"""
+    """number of trajectories with thermal motion and otherwise printed parameters that end within a
+    radius of the focus"""
     released: int
-    """number of these trajectories in all"""
+    """total number of these trajectories"""
 
     @property
     def kept_interval(self) -> tuple[float, float]:
-        """95 % interval (Wilson) of the probability to stay trapped."""
+        """95 % confidence interval (Wilson) of the probability to stay trapped."""
         interval = binomtest(self.kept, self.released).proportion_ci(method="wilson")
         return float(interval.low), float(interval.high)
 
@@ -83,7 +83,7 @@ class Study:
 def study(did: Callable[[float], None] = lambda _: None) -> Study:
     """Run the bead with single changes, then for each a2 and power, then with thermal motion.
 
-    did: called with each finished part of the work; the parts sum to 1.
+    `did` is called with each completed fraction of the work; the fractions add up to 1.
     """
     printed = load_scene(_BEAD)
     changes = _changes(printed)
@@ -121,9 +121,7 @@ def study(did: Callable[[float], None] = lambda _: None) -> Study:
 
 
 def _changes(printed: Scene) -> list[tuple[str, str, Scene]]:
-    """Return the scenes of the single changes, each with its group and name; the first is
-    unchanged.
-    """
+    """Return the scenes of the single changes with groups and names; the first is unchanged."""
     table: list[tuple[str, str, dict[str, Any]]] = [
         ("printed", "all as printed", {}),
         ("force", "integral in place of 7644 rays", {}),
@@ -156,7 +154,7 @@ def _changes(printed: Scene) -> list[tuple[str, str, Scene]]:
 
 
 def _variant(group: str, name: str, scene: Scene) -> Variant:
-    """Run the scene of a change, and return the fate of its bead."""
+    """Run the scene of a change, and return the outcome for its bead."""
     run = simulate(scene)
     summary = summarise(run)
     return Variant(
@@ -174,8 +172,8 @@ def _variant(group: str, name: str, scene: Scene) -> Variant:
 def _thermally_kept(printed: Scene) -> np.ndarray:
     """Return whether each trajectory with thermal motion ends within a radius of the focus.
 
-    It is an array of booleans, (trajectories,). A bead that has left the trap drifts for most of
-    the run before it is far enough to count as lost, so being lost is no criterion.
+    The result is an array of booleans, (trajectories,). A bead that has left the trap drifts for
+    most of the run before it counts as lost, so the loss is not a suitable criterion.
     """
     scene = printed.replace(
         forces={"brownian": True},
@@ -183,6 +181,6 @@ def _thermally_kept(printed: Scene) -> np.ndarray:
         optics=INTEGRAL,
     )
     result = ensemble(scene, _THERMAL_TRAJECTORIES, seed=1)
-    end = result["position"].isel(time=-1).values  # NaN, so not near, if it was lost
+    end = result["position"].isel(time=-1).values  # NaN, so not close, for a lost bead
     kept: np.ndarray = np.linalg.norm(end, axis=1) < scene.bead.radius
     return kept

@@ -1,6 +1,6 @@
-"""Motions in the thesis's figures: each bead by the thesis's scaled model, and unscaled.
+"""Motions for the thesis's figures: each bead by the thesis's scaled model, and unscaled.
 
-Each is computed in the light of rays, as in the thesis, and in the same light as waves.
+Each is computed with ray optics, as in the thesis, and with wave optics.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ from tweezer.runs.simulation import simulate
 from tweezer.scene import Scene, load_scene
 from tweezer.scene.bead import BeadProperties, bead_properties
 
-#: Beads in the thesis's order and names
+#: Beads in the thesis's order, with its names
 BEADS = ("500nm", "990nm", "1950nm")
 
-#: The integral over the lens in place of 7644 rays, as a table up to the loss distance
+#: Settings for the integral over the lens instead of 7644 rays, tabulated up to the loss distance
 INTEGRAL = {"evaluator": "map", "table_range": 20.0}
 
-#: The theories of light of the motions
+#: Theories of light of the motions
 THEORIES = ("rays", "waves")
 
-#: Light as waves in place of rays, as a table up to the loss distance
+#: Settings for wave optics, tabulated up to the loss distance
 _WAVES = {"theory": "waves", "evaluator": "map", "table_range": "5 um"}
 
-#: The light that is averaged over both polarisations, and exerts no moment (3.25)
+#: Settings for light averaged over both polarisations, without the moment (3.25)
 _UNPOLARISED = {"polarisation": "unpolarised", "torque": "none"}
 
-#: Relative tolerance of the unscaled motion; at 1e-7, the thesis's, a bead at rest jitters
+#: Relative tolerance of the unscaled motion; at the thesis's 1e-7 a bead at rest would jitter
 _TOLERANCE = 1e-10
 
-#: Factor between the samples of a motion without noise and those of its scene
+#: Number of sampling intervals of a motion without noise in an interval of its scene
 _SAMPLES_BETWEEN = 20
 
 _NOISE = {"brownian": True, "brownian_torque": True}
@@ -50,13 +50,13 @@ class Motions:
     theory: str
     """one of `THEORIES`"""
     thesis: xr.Dataset
-    """run of the scaled model (4.17) with the printed a2, by Dormand-Prince, without noise; light
-    of 7644 rays with their moment (3.25), or of waves"""
+    """run of the scaled model (4.17) with the printed a2, by Dormand-Prince, without noise; the
+    light consists of 7644 rays with their moment (3.25), or of waves"""
     thesis_thermal: xr.Dataset
-    """the scaled model with thermal force and torque, by steps with exact drag and noise"""
+    """the scaled model with thermal force and torque, in steps with exact drag and noise"""
     unscaled: xr.Dataset
-    """run of the full model (A.25), with the integral over the lens and no moment of the light,
-    without noise"""
+    """run of the full model (A.25) without noise, with the integral over the lens and no moment of
+    the light"""
     unscaled_thermal: xr.Dataset
     """the full model with thermal force and torque"""
     remembering: xr.Dataset
@@ -79,7 +79,7 @@ class Motions:
 
     @property
     def shift_by_memory(self) -> float:
-        """Largest distance of the unscaled motions with and without the fluid's inertia, m."""
+        """Largest distance between the unscaled motions with and without fluid inertia, m."""
         return largest_distance(self.unscaled, self.remembering)
 
     def summary(self, which: str) -> Summary:
@@ -88,11 +88,11 @@ class Motions:
 
 
 def in_the_light(scene: Scene, theory: str) -> Scene:
-    """Return a scene of the thesis in light without its approximations, by rays or waves.
+    """Return a scene of the thesis with light without approximations, by `theory` (`THEORIES`).
 
-    By rays it has the integral over the lens in place of 7644 rays. Waves have the same lens,
-    profile and power. They are unpolarised, because the thesis averages the reflectances (3.17),
-    which waves do not have. theory: one of `THEORIES`.
+    Ray optics uses the integral over the lens instead of 7644 rays. Wave optics has the same lens,
+    profile and power. It is unpolarised, because the thesis averages the reflectances (3.17), which
+    has no equivalent in wave optics.
     """
     if theory == "rays":
         return scene.replace(optics=INTEGRAL)
@@ -100,10 +100,10 @@ def in_the_light(scene: Scene, theory: str) -> Scene:
 
 
 def thesis_scene(bead: str, theory: str = "rays") -> Scene:
-    """Return the scene of a bead of `BEADS` in the thesis's model: its scaling a2 and its light.
+    """Return the scene of a bead of `BEADS` in the thesis's model, with its a2 and its light.
 
-    With the theory "rays" the light consists of 7644 rays with the moment (3.25). With another
-    theory of `THEORIES` the force of the waves is computed at each position, without a map.
+    With the theory "rays" the light consists of 7644 rays with the moment (3.25). With the other
+    theory of `THEORIES` the force is computed by wave optics at each position, without a map.
     """
     scene = load_scene(f"thesis-{bead}")
     if theory == "rays":
@@ -112,10 +112,10 @@ def thesis_scene(bead: str, theory: str = "rays") -> Scene:
 
 
 def unscaled_scene(bead: str, theory: str = "rays") -> Scene:
-    """Return the scene of a bead without the thesis's approximations.
+    """Return the scene of a bead of `BEADS` without the thesis's approximations.
 
     These are the scaling, the grid of rays, and the moment (3.25), which light does not exert on a
-    lossless sphere. bead: one of `BEADS`. theory: one of `THEORIES`.
+    lossless sphere. `theory` is one of `THEORIES`.
     """
     return in_the_light(load_scene(f"thesis-{bead}"), theory).replace(
         simulation={"model": "full", "method": "auto", "scaling_factor": None},
@@ -123,9 +123,9 @@ def unscaled_scene(bead: str, theory: str = "rays") -> Scene:
 
 
 def motions(bead: str, seed: int = 1, theory: str = "rays") -> Motions:
-    """Compute the five motions of a bead.
+    """Compute the five motions of a bead of `BEADS`.
 
-    bead: one of `BEADS`. seed: of the thermal motions. theory: one of `THEORIES`.
+    `seed` determines the thermal motion, and `theory` is one of `THEORIES`.
     """
     thesis, unscaled = thesis_scene(bead, theory), unscaled_scene(bead, theory)
     noisy = thesis.replace(forces=_NOISE, simulation={"method": "auto"})
@@ -151,7 +151,7 @@ def _densely_sampled(scene: Scene) -> Scene:
 
 
 def largest_distance(first: xr.Dataset, second: xr.Dataset) -> float:
-    """Return the largest distance between the beads of two runs at samples that both have, m."""
+    """Return the largest distance between the beads of two runs at common samples, m."""
     n = min(first.sizes["time"], second.sizes["time"])
     apart = first["position"].values[:n] - second["position"].values[:n]
     return float(np.linalg.norm(apart, axis=1).max())
@@ -169,7 +169,7 @@ def closest_approach(run: xr.Dataset) -> int | None:
 def crossings(run: xr.Dataset, least: float = 1e-9) -> int:
     """Return how often q2 crosses the axis after the first closest approach.
 
-    A crossing counts if q2 is more than `least` m from the axis on both sides.
+    A crossing counts if q2 is more than `least`, m, from the axis on both sides.
     """
     approach = closest_approach(run)
     if approach is None:

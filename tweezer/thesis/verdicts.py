@@ -1,7 +1,6 @@
-"""Verdicts on the thesis's claims (claims.toml), computed from motions in the light of rays and of
-waves.
+"""Verdicts on the thesis's claims (claims.toml), from motions with ray optics and wave optics.
 
-Each function `_NAME` judges the claim [NAME] of claims.toml, which has its text and criterion. A
+The function `_NAME` judges the claim [NAME] of claims.toml, which contains text and criterion. A
 claim is judged for the thesis's scaled model ("thesis") and for the unscaled equations.
 """
 
@@ -54,17 +53,17 @@ from tweezer.tracking import fit_depth
 from tweezer.values.constants import Boltzmann
 from tweezer.values.prefixes import factor
 
-#: Time over which `_jagged_tail` averages the random force, s
+#: Time over which the random force is averaged in `_jagged_tail`, s
 _LOOK = 1e-3
-#: Part of the largest terminal speed below which a bead is at rest, and its speed is of errors
+#: Fraction of the largest terminal speed below which the bead is at rest and its speed is error
 _AT_REST = 1e-6
 #: Noise of the camera in `_hidden_start`, m
 _CAMERA = 10e-9
-#: Seed of that noise
+#: Seed of the camera noise
 _CAMERA_SEED = 1
-#: Frames of a track
+#: Number of frames in a track
 _FRAMES = 60
-#: Tracks of each bead
+#: Number of tracks for each bead
 _TRACKS = 5
 _Judge = Callable[[Evidence], Judgement]
 _JUDGES: dict[str, _Judge] = {}
@@ -88,8 +87,8 @@ def claims(
 ) -> list[Claim]:
     """Return every claim with the verdict that follows from the motions of the three beads.
 
-    by_bead: motions in the light of rays, by the names in `BEADS`. by_waves: motions in the same
-    light as waves; the claims then have verdicts from these too.
+    `by_bead` has motions with ray optics by the names in `BEADS`, and `by_waves` motions with wave
+    optics. If the latter are given, the claims also have verdicts from them.
     """
     evidence = Evidence(by_bead)
     found = [claim(evidence) for claim in criteria()]
@@ -123,7 +122,7 @@ def _largest_is_overdamped(evidence: Evidence) -> Judgement:
 
 @_judge
 def _middle_overshoots_a_little(evidence: Evidence) -> Judgement:
-    """Judge whether the trapped 990 nm bead overshoots by 1 nm to a radius, and crosses the axis
+    """Judge whether the trapped 990 nm bead overshoots the axis by 1 nm to a radius, and crosses it
     twice.
     """
     overshoot = evidence.of_summary("990nm", lambda summary: summary.overshoot)
@@ -173,8 +172,8 @@ def _smallest_stays(evidence: Evidence) -> Judgement:
 
 @_judge
 def _smaller_rings_more(evidence: Evidence) -> Judgement:
-    """Judge whether the overshoot falls from bead to bead as they grow, each with its own printed
-    a2.
+    """Judge whether the overshoot decreases with increasing size of the bead, each with its own
+    printed a2.
     """
     overshoot = by_model(evidence.overshoot)
     return judged(
@@ -186,9 +185,9 @@ def _smaller_rings_more(evidence: Evidence) -> Judgement:
 
 @_judge
 def _size_decides(evidence: Evidence) -> Judgement:
-    """Judge whether the overshoot falls with size even if all beads have the same a2.
+    """Judge whether the overshoot decreases with size even if all beads have the same a2.
 
-    It is the a2 that is printed for the middle bead.
+    It is the value that is printed for the middle bead.
     """
     one_a2 = {"scaling_factor": load_scene("thesis-990nm").simulation.scaling_factor}
     runs = {bead: simulate(evidence.scene(bead).replace(simulation=one_a2)) for bead in BEADS}
@@ -206,7 +205,8 @@ def _ringing_needs_stiffness(evidence: Evidence) -> Judgement:
     """Judge whether the traps of the 500 and 990 nm beads are underdamped (chapter 6).
 
     They are if the largest stiffness exceeds beta^2/(4 m), with the drag beta and the mass m, which
-    is m/a2 in the thesis's model. The ratio of both is printed; below 1 the bead rings.
+    is m/a2 in the thesis's model. The printed number is the ratio of the needed to the largest
+    stiffness; below 1 the bead oscillates.
     """
     ratio: dict[str, dict[str, float]] = by_model(lambda _: {})
     for bead in BEADS:
@@ -263,7 +263,7 @@ def _reynolds_away(evidence: Evidence) -> Judgement:
 
 @_judge
 def _reynolds_at_approach(evidence: Evidence) -> Judgement:
-    """Judge whether the Reynolds number at the first closest approach falls as the bead grows."""
+    """Judge whether the Reynolds number at the first closest approach decreases with bead size."""
     at = evidence.of_runs(lambda run: at_approach(run, "reynolds_number"))
     return judged(lambda which: in_words(at[which]), lambda which: falling(at[which]), **at)
 
@@ -310,14 +310,14 @@ def _force_sign(evidence: Evidence) -> Judgement:
         """Return the fraction of samples at which the force along z opposes the displacement z.
 
         Only samples within two radii of the focus count, if they are more than 5 % of a radius
-        away from its plane and the force exceeds 1 % of its largest value. The result is NaN
-        without such samples.
+        from its plane and the force exceeds 1 % of its largest value. Returns NaN without such
+        samples.
         """
         z = run["position"].sel(axis="z").values
         force = run["net_force"].sel(axis="z").values
         r = scene_of(run).bead.radius
         counted = (run["distance"].values < 2 * r) & (np.abs(z) > 0.05 * r)
-        counted &= np.abs(force) > 0.01 * np.abs(force).max()  # while it moves
+        counted &= np.abs(force) > 0.01 * np.abs(force).max()  # while the bead moves
         return float(np.mean(force[counted] * z[counted] < 0)) if counted.any() else math.nan
 
     part = evidence.of_runs(against)
@@ -331,7 +331,7 @@ def _force_sign(evidence: Evidence) -> Judgement:
 
 @_judge
 def _force_peak(evidence: Evidence) -> Judgement:
-    """Judge whether the net force is largest further from the focus, the larger the bead."""
+    """Judge whether the net force is largest farther from the focus for a larger bead."""
     at = evidence.of_runs(lambda run: float(run["distance"].values[net_force(run).argmax()]))
     return judged(lambda which: in_words(at[which], "um"), lambda which: rising(at[which]), **at)
 
@@ -341,7 +341,8 @@ def _jagged_tail(evidence: Evidence) -> Judgement:
     """Judge whether the random force's share of the net force is ten times larger at the start.
 
     The share is compared between the release and the peak of the net force. The random force
-    averaged over a time h is sqrt(2 beta kT/h) in each direction, with the drag beta; h is 1 ms.
+    averaged over a time h is sqrt(2 beta kT/h) in each direction, where beta is the drag and h is
+    1 ms.
     """
     growth, rms = {}, {}
     for bead in BEADS:
@@ -378,14 +379,14 @@ def _thermal_fluctuations(evidence: Evidence) -> Judgement:
 def _fluctuation(evidence: Evidence, which: str, bead: str) -> float:
     """Return the standard deviation of q2 after a bead has settled, over sqrt(kT/k).
 
-    q2 is the second coordinate, along y, and k the stiffness of the trap along it. which: model,
-    "thesis" or "unscaled". bead: one of `BEADS`.
+    q2 is the second coordinate, along y, and k is the trap stiffness along it. `which` is the
+    model, "thesis" or "unscaled", and `bead` is one of `BEADS`.
     """
     run = evidence.run(f"{which}_thermal", bead)
     place = evidence.equilibrium(bead)
     off = np.linalg.norm(run["position"].values - np.array(place.position), axis=1)
     near = off < 0.5 * evidence.radius(bead)
-    arrived = float(run["time"].values[near.argmax()])  # a thermal bead may come later
+    arrived = float(run["time"].values[near.argmax()])  # a thermal bead may arrive later
     settled = max(evidence.motions[bead].summary(which).outcome_time, arrived)
     q2 = run["position"].sel(axis="y").values[run["time"].values > 1.05 * settled]
     temperature = evidence.motions[bead].scene.medium.temperature
@@ -417,7 +418,7 @@ def _ratio_at_approach(run: xr.Dataset) -> float:
 def _departure(run: xr.Dataset) -> float:
     """Return the median of |v/v_t - 1| until the first closest approach.
 
-    v is the speed of the bead, and v_t its terminal speed, at which drag balances the force.
+    v is the speed of the bead, and v_t the terminal speed, at which drag balances the force.
     """
     ratio = on_the_way(run, "speed") / on_the_way(run, "terminal_speed")
     return float(np.median(np.abs(ratio - 1)))
@@ -426,7 +427,7 @@ def _departure(run: xr.Dataset) -> float:
 def _largest_departure(run: xr.Dataset) -> float:
     """Return the largest |v - v_t| until the first closest approach, over the largest v_t.
 
-    v is the speed of the bead, and v_t its terminal speed, at which drag balances the force.
+    v is the speed of the bead, and v_t the terminal speed, at which drag balances the force.
     """
     speed, terminal = on_the_way(run, "speed"), on_the_way(run, "terminal_speed")
     return float(np.abs(speed - terminal).max() / terminal.max())
@@ -449,7 +450,7 @@ def _largest_at_terminal_speed(evidence: Evidence) -> Judgement:
 
 @_judge
 def _middle_departs_a_little(evidence: Evidence) -> Judgement:
-    """Judge whether speeds depart from terminal speeds, and the more the smaller the bead."""
+    """Judge whether speeds differ from terminal speeds, and more so for smaller beads."""
     off = evidence.of_runs(_departure)
     return judged(
         lambda which: in_words(off[which]),
@@ -483,9 +484,9 @@ def _middle_is_faster(evidence: Evidence) -> Judgement:
     """Judge whether the 990 nm bead is faster than its terminal speed at most samples."""
 
     def part(run: xr.Dataset) -> float:
-        """Return the fraction of samples with a speed above the terminal speed by more than 0.1 %.
+        """Return the fraction of samples with a speed more than 0.1 % above the terminal speed.
 
-        Samples at which the bead is practically at rest do not count as faster.
+        Samples at which the bead is practically at rest do not count.
         """
         speed, terminal = run["speed"].values[1:], run["terminal_speed"].values[1:]
         at_rest = terminal < _AT_REST * terminal.max()
@@ -503,7 +504,8 @@ def _middle_is_faster(evidence: Evidence) -> Judgement:
 def _overdamped_fails(evidence: Evidence) -> Judgement:
     """Judge whether the overdamped equation (5.2) fails for the 500 nm bead.
 
-    It fails if its path is more than a tenth of a radius off that of the model at some time.
+    It fails if its path deviates from that of the full model by more than a tenth of a radius at
+    some time.
     """
     samples = evidence.run("unscaled", "500nm").sizes["time"]
     overdamped = simulate(
@@ -527,7 +529,8 @@ def _overdamped_fails(evidence: Evidence) -> Judgement:
 def _longer_steps(evidence: Evidence) -> Judgement:
     """Judge whether scaling makes the mean step of Dormand-Prince more than five times longer.
 
-    Both motions have the thesis's tolerances and rotate; the unscaled one is integrated for 0.1 ms.
+    Both motions have the thesis's tolerances and include rotation. The unscaled one is integrated
+    for 0.1 ms.
     """
     gain = {}
     times = np.array([0.0, 1e-4])
@@ -573,7 +576,7 @@ def _steady_flow(evidence: Evidence) -> Judgement:
 def _first_guess(evidence: Evidence) -> Judgement:
     """Judge whether a2 = epsilon keeps the scaled motion within a radius of the unscaled one.
 
-    epsilon (4.6) is the velocity relaxation time m/beta_v in the thesis's unit of time, 1 ms.
+    Here epsilon (4.6) is the velocity relaxation time m/beta_v in the thesis's unit of time, 1 ms.
     """
     ratio, off = {}, {}
     for bead in BEADS:
@@ -591,12 +594,12 @@ def _first_guess(evidence: Evidence) -> Judgement:
 
 @_judge
 def _hidden_start(evidence: Evidence) -> Judgement:
-    """Judge whether the height of release follows from what the camera sees (1.2, 5.1).
+    """Judge whether the release height follows from positions that a camera records (1.2, 5.1).
 
-    It does if `fit_depth` determines it from most of five tracks of each bead, and its interval
-    contains the true height. For the smallest bead it does so for three tracks in four, by the
-    benchmark of 200 (docs/evidence-depth.md): for most of five in 19 draws of 20, for all but one
-    in two draws of three.
+    It does if `fit_depth` determines the height from most of five tracks of each bead, and its
+    interval contains the true height. For the smallest bead it does so for three tracks in four,
+    according to the benchmark with 200 tracks (docs/evidence-depth.md). Of five tracks it then does
+    so for most in 19 draws of 20, and for all but one in two draws of three.
     """
     rng = np.random.default_rng(_CAMERA_SEED)
     off, half, hits = {}, {}, {}
@@ -624,7 +627,8 @@ def _hidden_start(evidence: Evidence) -> Judgement:
 def _tracks(motions: Motions, rng: np.random.Generator) -> list[Track]:
     """Return five tracks of the unscaled bead with thermal motion, from release to capture.
 
-    Each has 60 frames and 10 nm of camera noise. motions: of the bead. rng: source of the noise.
+    Each has 60 frames and 10 nm of camera noise, which `rng` generates. `motions` are those of the
+    bead.
     """
     scene = unscaled_scene(motions.bead, motions.theory).replace(
         forces={"brownian": True},
@@ -647,7 +651,8 @@ def _printed_numbers(_evidence: Evidence) -> Judgement:
     """Judge whether mass, inertia, drag and Knudsen number of the 500 nm bead agree with the
     thesis.
 
-    Each is compared in the printed unit: value, printed number, and half its last digit.
+    Each is compared in the printed unit, with half the last digit of the printed number as the
+    tolerance.
     """
     bead = bead_properties(load_scene("thesis-500nm"))
     computed = {

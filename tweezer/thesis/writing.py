@@ -1,5 +1,5 @@
-"""Write the thesis's figures, its claims with their verdicts by rays and by waves, the captures of
-both, also in a fluid with inertia, and the study of the lost bead.
+"""Output of the reproduction: figures, claims with verdicts, captures and the study of the lost
+bead.
 """
 
 from __future__ import annotations
@@ -32,20 +32,20 @@ from tweezer.values.errors import ResultError, SceneError
 from tweezer.values.files import replacing
 from tweezer.values.prefixes import per
 
-#: Names of what `reproduce` can write besides figures
+#: Names of the results that `reproduce` can write in addition to figures
 TABLES = ("claims", "waves", "memory", "study")
-#: Approximate durations, in units of a figure
+#: Approximate durations, relative to that of a figure
 _WORK = {"motions": 15.0, "waves": 2.0, "memory": 3.0, "claims": 25.0, "study": 60.0}
 
 
 @dataclass(frozen=True)
 class Reproduction:
-    """Results of `reproduce`: files written, and claims judged."""
+    """Results of `reproduce`: files written and claims judged."""
 
     files: list[Path]
-    """paths of the files in the order of writing"""
+    """paths of the files in the order in which they were written"""
     claims: list[Claim]
-    """claims with their verdicts; empty if they were not requested"""
+    """claims with their verdicts; empty if not requested"""
 
 
 def reproduce(
@@ -55,19 +55,33 @@ def reproduce(
     seed: int = 1,
     progress: Callable[[float], None] | None = None,
 ) -> Reproduction:
-    """Write figures, claims or the study into the folder `out`, which is created if its parent
-    exists.
+    """Write figures, claims or the study into the folder `out`.
 
-    what: numbers of figures ("5.1" to "5.15", "C.1" to "C.12"), written as PNG; "claims", written
-    as claims.json and claims.md; "waves", the captures by rays and by waves, as waves.png,
-    waves.json and waves.md; "memory", the same in a fluid with inertia, as memory.png, memory.json
-    and memory.md; "study", of the 500 nm bead, as study.png and study.json.
-    Everything if empty. seed: of the thermal motions. progress: called with the finished part.
+    The folder is created if its parent exists. Existing files are replaced one by one, atomically.
 
-    Existing files are replaced one by one, each as a whole. Before any computation raises
-    `SceneError` for a seed that is not valid or a figure that the thesis does not have, and
-    `ResultError` for a folder that cannot be created; later `ResultError` if a file cannot be
-    written.
+    Parameters
+    ----------
+    what : sequence of str
+        Results to write. Default: all.
+
+        * "5.1" to "5.15" and "C.1" to "C.12": a figure, as PNG
+        * "claims": claims.json and claims.md
+        * "waves": the captures with ray and wave optics, as waves.png, waves.json and waves.md
+        * "memory": the same in a fluid with inertia, as memory.png, memory.json and memory.md
+        * "study": the study of the 500 nm bead, as study.png and study.json
+    out : str or Path
+        Folder to write to.
+    seed : int
+        Seed of the thermal motion.
+    progress : callable, optional
+        Called with the completed fraction.
+
+    Raises
+    ------
+    SceneError
+        Before any computation, for an invalid seed or a figure that the thesis does not have.
+    ResultError
+        Before any computation, if the folder cannot be created; later, if a file cannot be written.
     """
     asked = list(dict.fromkeys(what)) or [*FIGURES, *TABLES]
     for name in asked:
@@ -91,7 +105,7 @@ def reproduce(
     done = 0.0
 
     def did(work: float) -> None:
-        """Report that `work`, in units of a figure, is finished."""
+        """Report that `work`, relative to a figure, is completed."""
         nonlocal done
         done += work
         if progress:
@@ -126,7 +140,7 @@ def reproduce(
 
 
 def _save(figure: Figure, path: Path) -> Path:
-    """Write a figure as PNG, replacing a file as a whole, and return its path."""
+    """Write a figure as PNG atomically, and return its path."""
     with replacing(path) as whole:
         style.save(figure, whole, "png")
     return path
@@ -146,7 +160,7 @@ def _write_claims(found: Sequence[Claim], folder: Path) -> list[Path]:
 
 
 def _by_waves(claim: Claim) -> str:
-    """Return the result and verdict of a claim with light as waves, or why there is none, for a
+    """Return the result and verdict of a claim with wave optics, or the reason for none, for a
     table.
     """
     if isinstance(claim.by_waves, Claim):
@@ -155,7 +169,7 @@ def _by_waves(claim: Claim) -> str:
 
 
 def _entry(claim: Claim) -> dict[str, Any]:
-    """Return a claim as a JSON object; with only the entries that can differ by waves."""
+    """Return a claim as a JSON object; `by_waves` has only entries that can differ."""
     entry = dataclasses.asdict(claim) | {"verdict": claim.verdict}
     if isinstance(claim.by_waves, Claim):
         of_waves = _entry(claim.by_waves)
@@ -205,14 +219,14 @@ def _write_remembered(found: Sequence[Remembered], folder: Path) -> list[Path]:
 
 
 def _fate(scaled: Scaled) -> str:
-    """Return the outcome of a scaled bead in words; of a captured one its overshoot, if any."""
+    """Return the outcome of a scaled bead in words, for a captured one with its overshoot."""
     if scaled.outcome != "captured":
         return scaled.outcome
     return f"overshoots by {_nanometres(scaled.overshoot)} nm" if scaled.overshoot else "captured"
 
 
 def _nanometres(length: float) -> str:
-    """Return a length, m, as text in nm: whole numbers above 10 nm, else two digits."""
+    """Return a length, m, as text in nm: whole numbers above 10 nm, otherwise two digits."""
     return f"{per('nm') * length:{'.0f' if length > 1e-8 else '.2g'}}"
 
 
@@ -223,7 +237,7 @@ def _write_table(
     rows: Sequence[Sequence[str]],
     folder: Path,
 ) -> list[Path]:
-    """Write entries as NAME.json and rows below a heading as a Markdown table NAME.md.
+    """Write entries as NAME.json, and rows below a heading as a Markdown table NAME.md.
 
     Returns both paths.
     """
@@ -239,7 +253,7 @@ def _write_table(
 
 
 def _write_study(found: Study, folder: Path) -> list[Path]:
-    """Write the study as study.json (without the paths) and study.png, and return both paths."""
+    """Write the study as study.json (without paths) and study.png, and return both paths."""
     as_json = folder / "study.json"
     variants = [
         {
