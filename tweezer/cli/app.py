@@ -70,52 +70,53 @@ Changes = Annotated[
 Columns = Annotated[
     str | None,
     typer.Option(
-        help='Columns of a table, by their headings in their order: "t [s],-,x [um]"; or each by '
-        'its heading or number: "t=Zeit,x=4".',
+        help='Columns of a table, either in file order, e.g. "t [s],-,x [um]", or by heading or '
+        'number, e.g. "t=Zeit,x=4".',
         metavar="NAMES",
     ),
 ]
 Rate = Annotated[
     str | None,
     typer.Option(
-        help='Of the rows of a table without a time, or of the frames that it counts: "15 Hz".',
+        help='Rate of the rows of a table without times, or of its numbered frames, e.g. "15 Hz".',
         metavar="RATE",
     ),
 ]
 Scale = Annotated[
     str | None,
     typer.Option(
-        help='Length of a pixel or a volt: "85.8 nm", "11.66 px/um", "0.5 um/V".', metavar="LENGTH"
+        help='Length of a pixel or a volt, e.g. "85.8 nm", "11.66 px/um" or "0.5 um/V".',
+        metavar="LENGTH",
     ),
 ]
 Bead = Annotated[
     str | None,
     typer.Option(
-        help="Bead to read from a table of several, as its column names it.", metavar="ID"
+        help="Bead to read from a table of several beads, as its column labels it.", metavar="ID"
     ),
 ]
-Skip = Annotated[str, typer.Option(help='Time left out at the beginning: "5 ms".')]
+Skip = Annotated[str, typer.Option(help='Time to omit at the beginning, e.g. "5 ms".')]
 OwnForces = Annotated[
     list[str] | None,
     typer.Option(
-        help="A force of your own in a Python file, which is run: handles.py:spring. May be "
+        help="Your own force in a Python file, which is executed, e.g. handles.py:spring. May be "
         "repeated.",
         metavar="FILE.py:NAME",
     ),
 ]
-Resume = Annotated[bool, typer.Option("--resume", help="Go on with what is there, if anything is.")]
+Resume = Annotated[
+    bool, typer.Option("--resume", help="Continue the interrupted OUT, if it exists.")
+]
 JsonFile = Annotated[
     Path | None,
-    typer.Option("--out", "--json", help='JSON file to write; "-" prints it and nothing else.'),
+    typer.Option("--out", "--json", help='JSON file to write; "-" prints only this file.'),
 ]
-Overwrite = Annotated[
-    bool, typer.Option("--overwrite", help="Replace a file that is there, whatever it is.")
-]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace existing files of any kind.")]
 FigureFile = Annotated[
     Path | None,
     typer.Option(
-        help="Figure to write (png, pdf, svg). It replaces a figure of tweezer, and another file "
-        "only with --overwrite."
+        help="Figure to write (png, pdf, svg). Replaces an earlier figure of tweezer; any other "
+        "file requires --overwrite."
     ),
 ]
 

@@ -22,7 +22,7 @@ from tweezer.cli.tables import print_rows
 from tweezer.values.errors import TweezerError
 
 bench = typer.Typer(
-    help="Measure speed and errors, from a checkout.", no_args_is_help=True, rich_markup_mode=None
+    help="Measure speed and errors (in a checkout).", no_args_is_help=True, rich_markup_mode=None
 )
 
 
@@ -38,7 +38,7 @@ def _add_benchmark(name: str, report_name: str, told: str) -> None:
     @bench.command(name, help=told)
     def measured(
         quick: Annotated[
-            bool, typer.Option("--quick", help="Less of everything, to see that it runs.")
+            bool, typer.Option("--quick", help="Reduced amounts, to test that it runs.")
         ] = False,
         out: JsonFile = None,
         plot: FigureFile = None,
@@ -67,31 +67,31 @@ _add_benchmark(
 
 _add_benchmark(
     "integrate", "integrate_report",
-    "Integration: error against time. Ours, SciPy's, CVODE, others, the thesis's scaling.",
+    "Integration: error against time. Own methods, SciPy, CVODE, others, the thesis's scaling.",
 )  # fmt: skip
 
 
 _add_benchmark(
     "brownian", "brownian_report",
-    "Thermal motion: speed and bias. Against step and cost; scaling, memory.",
+    "Thermal motion: speed and bias. By step and cost; scaling and memory.",
 )  # fmt: skip
 
 
 _add_benchmark(
     "scaling", "scaling_report",
-    "Ensembles past one machine. Costs of blocks, files and tasks, and a model of clusters.",
+    "Ensembles on clusters: costs. Blocks, files and tasks, and a model of clusters.",
 )  # fmt: skip
 
 
 _add_benchmark(
     "depth", "depth_report",
-    "Depth from tracks: coverage and bias. Of starts in z that tracks in the plane tell.",
+    "Depth from tracks: coverage and bias. Release heights from tracks in the plane.",
 )  # fmt: skip
 
 
 _add_benchmark(
     "fluid", "fluid_report",
-    "The fluid's inertia: error against poles. Force calls of captures, thermal steps.",
+    "Fluid inertia: error against poles. Force calls of captures, thermal steps.",
 )  # fmt: skip
 
 
@@ -103,41 +103,41 @@ _add_benchmark(
 
 _add_benchmark(
     "calibrate", "calibrate_report",
-    "Calibration: coverage, and what is marked. Known traps.",
+    "Calibration: coverage and findings. Simulated traps with known stiffness.",
 )  # fmt: skip
 
 
 _add_benchmark(
     "hydro", "hydro_report",
-    "Calibration of fast records: bias. The fluid's inertia, detectors, a driven stage; pylake.",
+    "Calibration of fast records: bias. Fluid inertia, detectors, a driven stage; pylake.",
 )  # fmt: skip
 
 
 _add_benchmark(
     "sweep", "sweep_report",
-    "Sweeps: time, and bytes after kills. Two processes, workers of Dask.",
+    "Sweeps: time, and bytes after kills. Two processes, and Dask workers.",
 )  # fmt: skip
 
 
 _add_benchmark(
     "view", "view_report",
-    "Pages: size, time to write, frames a second. Of a run and an ensemble, in Chromium.",
+    "Pages: size, time to write, frame rate. Pages of a run and an ensemble, in Chromium.",
 )  # fmt: skip
 
 
 _add_benchmark(
     "heights", "heights_report",
-    "Calibration beside a wall: coverage. At given heights, and where the wall is found.",
+    "Calibration beside a wall: coverage. At given heights, and with a fitted wall position.",
 )  # fmt: skip
 _add_benchmark(
     "fit", "fit_report",
-    "Fits of a scene to recordings: coverage. Of size and power, and what is said of others.",
+    "Fits of a scene to recordings: coverage. Size and power, and findings for other keys.",
 )  # fmt: skip
 
 
 _add_benchmark(
     "camera", "camera_report",
-    "Calibration of what a camera saw: coverage. Simulated tracks, exposed all the time, noisy.",
+    "Calibration of camera tracks: coverage. Simulated tracks with full exposure and noise.",
 )  # fmt: skip
 
 
@@ -149,13 +149,13 @@ _add_benchmark(
 
 _add_benchmark(
     "diagram", "diagram_report",
-    "What is trapped, and for how long. Size against power. Least powers; against ensembles.",
+    "What is trapped, and for how long. Size against power; minimum powers; ensembles.",
 )  # fmt: skip
 
 
 _add_benchmark(
     "commands", "commands_report",
-    "Commands: time, cold and warm. Each in empty caches, one user's order, and the first page.",
+    "Commands: time, cold and warm. With empty caches, in a typical order, and the first page.",
 )  # fmt: skip
 
 

@@ -46,7 +46,7 @@ _LONG = 100
 Recordings = Annotated[
     list[str],
     typer.Argument(
-        help="NetCDF file of a run; or a table with t, x, y, z: CSV, HDF5, .npy, .mat, TDMS. "
+        help="NetCDF file of a run, or a table with t, x, y, z (CSV, HDF5, .npy, .mat, TDMS). "
         "Recordings of one trap are combined.",
         metavar="RECORDING...",
     ),
@@ -62,8 +62,8 @@ Radius = Annotated[
 Viscosity = Annotated[
     str | None,
     typer.Option(
-        help='Viscosity of the medium, e.g. "1 mPa s". With --radius it gives the drag. For a '
-        "free bead, one of the two determines the other."
+        help='Viscosity of the medium, e.g. "1 mPa s". With --radius it sets the drag. For a '
+        "free bead, give either one to determine the other."
     ),
 ]
 Density = Annotated[
@@ -89,20 +89,20 @@ Wall = Annotated[
 Focus = Annotated[
     str | None,
     typer.Option(
-        help='Position of the focus in each RECORDING, larger farther from a wall: "0 um, 0.5 '
-        'um, 1 um". The place of the wall is fitted.',
+        help='Position of the focus in each RECORDING, increasing away from a wall, e.g. "0 um, '
+        '0.5 um, 1 um". The position of the wall is fitted.',
         metavar="POSITIONS",
     ),
 ]
 FocalShift = Annotated[
     str | None,
-    typer.Option(help="How far the bead moves by a unit of --focus, 1 if not given; or fit."),
+    typer.Option(help='Displacement of the bead per unit of --focus, or "fit". Default: 1.'),
 ]
 Stage = Annotated[
     str | None,
     typer.Option(
-        help="Heading of a column: the motion of the stage, which oscillates. Drag, and of "
-        "volts the metres, are measured by it.",
+        help="Heading of the column with the motion of an oscillating stage. It determines the "
+        "drag and, for positions in volts, the displacement sensitivity.",
         metavar="COLUMN",
     ),
 ]
@@ -110,40 +110,44 @@ Exposure = Annotated[
     str | None,
     typer.Option(
         "--blur", "--exposure",
-        help='Time that each position is averaged over: "2 ms", up to the step; or fit.',
+        help='Exposure time of each position, e.g. "2 ms", or "fit". At most the sampling '
+        "interval.",
     ),
 ]  # fmt: skip
 Diode = Annotated[
     str | None,
     typer.Option(
-        help='Detector that is late: "14 kHz", where its power is halved; "14 kHz, 0.3", with '
-        "the part that it detects at once; or fit."
+        help='Photodiode response: half-power frequency, e.g. "14 kHz"; with the fraction detected '
+        'without delay, e.g. "14 kHz, 0.3"; or "fit".'
     ),
 ]
 Noise = Annotated[
     str | None,
-    typer.Option(help='White noise of the detector, a standard deviation: "1 nm"; or fit.'),
+    typer.Option(help='Standard deviation of the detector noise, e.g. "1 nm", or "fit".'),
 ]
 LeaveOut = Annotated[
     list[str] | None,
     typer.Option(
-        help='Frequencies that are taken out of the record: "49 Hz..51 Hz". May be repeated.',
+        help='Frequency band to remove from the recording, e.g. "49 Hz..51 Hz". May be repeated.',
         metavar="BAND",
     ),
 ]
 Drift = Annotated[
     str | None,
     typer.Option(
-        help='What is slower is taken off, as whole cosines: "0.5 Hz".', metavar="FREQUENCY"
+        help='Remove drift below this frequency, as whole cosines, e.g. "0.5 Hz".',
+        metavar="FREQUENCY",
     ),
 ]
 FitRange = Annotated[
     str | None,
-    typer.Option(help='Frequencies that spectra are fitted over: "10 Hz..10 kHz".', metavar="BAND"),
+    typer.Option(
+        help='Frequency range of the spectral fits, e.g. "10 Hz..10 kHz".', metavar="BAND"
+    ),
 ]
 Report = Annotated[
     Path | None,
-    typer.Option(help="Page with figures, numbers and what is not to be trusted: .html, .pdf."),
+    typer.Option(help="Page to write (html, pdf), with figures, numbers and findings."),
 ]
 
 
@@ -161,8 +165,8 @@ def calibrate(
     """Determine trap stiffness from a RECORDING.
 
     Several methods use the thermal motion of the bead and its response to a drive. For a free bead
-    the diffusion coefficient is determined. Exit code: 0 if every axis of each RECORDING has a
-    number without a finding, 1 if an axis has none, 2 if the input is refused.
+    the command determines the diffusion coefficient. Exit code: 0 if every axis of each RECORDING
+    has a result without findings, 1 if an axis has none, 2 if the input is refused.
     """
     from tweezer.calibration.setup import Setup
     from tweezer.values import units

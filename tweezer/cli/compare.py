@@ -23,11 +23,11 @@ Result = Annotated[
 def compare(first: Result, second: Result) -> None:
     """Test whether two results agree.
 
-    Both results are of one kind, or a trap and a calibration, whose stiffnesses are compared. Runs
-    are compared by their distance at common times and the sum of both errors. With thermal motion
-    means and variances are compared; at most 1 % of comparisons differ by chance. The table lists
-    the keys of the scene, methods and versions that differ. Exit status: 0 if the results agree,
-    1 if they differ, 2 if they cannot be compared.
+    Both results must be of the same kind, or a trap and a calibration, whose stiffnesses are
+    compared. Runs agree if their distance at common times is within the sum of both errors. With
+    thermal motion, means and variances are compared, and at most 1 % of comparisons differ by
+    chance. The table lists the keys of the scene, methods and versions that differ. Exit code: 0 if
+    the results agree, 1 if they differ, 2 if they cannot be compared.
     """
     from tweezer.comparison import compare as compared
 

@@ -37,7 +37,7 @@ from tweezer.values.errors import ResultError
 Frames = Annotated[
     str,
     typer.Argument(
-        help="Table with t, x, y: CSV, HDF5, .npy, .mat; or NetCDF file of a run.",
+        help="Table with t, x, y (CSV, HDF5, .npy, .mat), or NetCDF file of a run.",
         metavar="TRACK",
     ),
 ]
@@ -47,19 +47,24 @@ SceneOfTrack = Annotated[
         help="Shipped scene or TOML file.", metavar="SCENE", autocompletion=complete_scene
     ),
 ]
-Noise = Annotated[str | None, typer.Option(help='Of the camera: "15 nm". Fitted if not given.')]
+Noise = Annotated[
+    str | None, typer.Option(help='Noise of the camera, e.g. "15 nm". Default: fitted.')
+]
 Exposure = Annotated[
     str | None,
-    typer.Option(help='Time that a frame averages over: "2 ms". 0, or that of a run.'),
+    typer.Option(help='Exposure time of a frame, e.g. "2 ms". Default: that of a run, else 0.'),
 ]
 Search = Annotated[
     tuple[str, str] | None,
-    typer.Option(help='Where the start may be: "-8 um" "2 um"; 3/4 of the map if not given.'),
+    typer.Option(
+        help='Range of release depths to search, e.g. "-8 um" "2 um". Default: three quarters of '
+        "the force map."
+    ),
 ]
 Fitted = Annotated[
     list[str] | None,
     typer.Option(
-        help="What else to fit: power, radius, scaling_factor, release. May be repeated.",
+        help="Further quantity to fit: power, radius, scaling_factor or release. May be repeated.",
         metavar="NAME",
     ),
 ]

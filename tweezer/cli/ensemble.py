@@ -44,31 +44,32 @@ if TYPE_CHECKING:
 @app.command()
 def ensemble(
     scene: SceneName,
-    trajectories: Annotated[int, typer.Option(help="How many.")],
+    trajectories: Annotated[int, typer.Option(help="Number of trajectories.")],
     duration: Annotated[
-        str | None, typer.Option(help='Time simulated: "20 ms", or seconds.')
+        str | None, typer.Option(help='Duration, s or e.g. "20 ms". Default: that of SCENE.')
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the random numbers.")] = 0,
     statistics: Annotated[
-        bool, typer.Option("--statistics", help="Gather statistics and keep no trajectory.")
+        bool, typer.Option("--statistics", help="Store statistics instead of trajectories.")
     ] = False,
     skip: Annotated[
-        str | None, typer.Option(help='Time left out of the statistics of a trap at rest: "5 ms".')
+        str | None,
+        typer.Option(help='Time to omit from statistics over time and beads, e.g. "5 ms".'),
     ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
-            help="Zarr store of trajectories, or NetCDF file of statistics, to write; SCENE.zarr "
-            "or SCENE-statistics.nc if not given."
+            help="Zarr store of trajectories, or NetCDF file of statistics, to write. Default: "
+            "SCENE.zarr or SCENE-statistics.nc."
         ),
     ] = None,
     resume: Resume = False,
     workers: Annotated[
-        int | None, typer.Option(help="Threads; one for each core if not given.")
+        int | None, typer.Option(help="Number of threads. Default: one per core.")
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(help="Address of a Dask scheduler whose workers compute, and write OUT."),
+        typer.Option(help="Address of a Dask scheduler, whose workers compute and write OUT."),
     ] = None,
     force: OwnForces = None,
     set: Changes = None,

@@ -44,14 +44,14 @@ def examples(
     name: Annotated[
         str | None,
         typer.Argument(
-            help="Recording to copy here.", metavar="NAME", autocompletion=among(EXAMPLES)
+            help="Recording to copy to this folder.", metavar="NAME", autocompletion=among(EXAMPLES)
         ),
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Copy a recording to try, or list them.
+    """Copy an example recording, or list them.
 
-    The recordings are simulated, so that the right answer is known.
+    The recordings are simulated, so the true values are known.
     """
     if name is None:
         table = table_of("recording", "what it is")

@@ -42,15 +42,15 @@ def fit(
     recordings: Annotated[
         list[str],
         typer.Argument(
-            help="NetCDF file of a run; or a table with x, or x and y, or all three. Several of "
-            "one scene are fitted together.",
+            help="NetCDF file of a run, or a table with x, with x and y, or all three. Several "
+            "recordings of one scene are fitted together.",
             metavar="RECORDING...",
         ),
     ],
     free: Annotated[
         list[str],
         typer.Option(
-            help="Key of the scene to fit: bead.diameter. May be repeated.",
+            help="Key of the scene to fit, e.g. bead.diameter. May be repeated.",
             metavar="KEY",
             autocompletion=complete_key,
         ),
@@ -58,7 +58,7 @@ def fit(
     scene: Annotated[
         str | None,
         typer.Option(
-            help="Shipped scene or TOML file, with the first guesses; that of a run if not given.",
+            help="Shipped scene or TOML file with initial values. Default: the scene of a run.",
             metavar="SCENE",
             autocompletion=complete_scene,
         ),
@@ -76,9 +76,9 @@ def fit(
 ) -> None:
     """Fit keys of SCENE to a RECORDING.
 
-    The trapped bead is fitted by maximum likelihood. The scene's [camera] contains exposure and
-    noise. The inertia comes from the scene or the run; a measured recording includes the inertia of
-    bead and fluid. Exit code: 0 if every key is determined, 1 if a key is not or if the
+    The keys are fitted by maximum likelihood, for a trapped bead. The scene's [camera] contains
+    exposure and noise. Inertia is specified by the scene or the run; otherwise the inertia of bead
+    and fluid is included. Exit code: 0 if every key is determined, 1 if a key is not or if the
     recording refutes the scene, 2 if the input is refused.
     """
     from tweezer.values.units import Time

@@ -47,11 +47,11 @@ class _Cache(NamedTuple):
 
 @app.command()
 def info(
-    json_: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
+    json_: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Versions, machine and caches, for a report.
+    """Show versions, machine and caches.
 
-    Folders are named without the user: ~ is the home folder.
+    Include the output in bug reports. It does not contain the user's name: ~ is the home folder.
     """
     facts = _facts()
     if json_:
@@ -65,15 +65,17 @@ def info(
 
 @app.command()
 def cache(
-    clear: Annotated[bool, typer.Option("--clear", help="Remove what is kept.")] = False,
+    clear: Annotated[bool, typer.Option("--clear", help="Delete the cached files.")] = False,
     yes: Annotated[
-        bool, typer.Option("--yes", help="Without asking; needed where there is no terminal.")
+        bool,
+        typer.Option("--yes", help="Do not ask for confirmation; required without a terminal."),
     ] = False,
 ) -> None:
-    """What is kept, where; --clear removes it.
+    """List cached files, or delete them.
 
-    Compiled functions and maps of forces: both are made again where they are needed. Other commands
-    that run meanwhile lose nothing. Without a terminal to ask at, --clear needs --yes.
+    The files are compiled functions and force maps, which are created again when needed. Deleting
+    them with --clear does not affect other running commands. Without a terminal, --clear requires
+    --yes.
     """
     found = _caches()
     if not clear:

@@ -72,7 +72,7 @@ class _Experiment(NamedTuple):
 
 @app.command()
 def new(
-    file: Annotated[Path, typer.Argument(help="Scene to write.", metavar="FILE")] = Path(
+    file: Annotated[Path, typer.Argument(help="Scene file to write.", metavar="FILE")] = Path(
         "mine.toml"
     ),
     bead: Annotated[
@@ -111,8 +111,8 @@ def new(
 ) -> None:
     """Write a scene of your own.
 
-    FILE is mine.toml by default. The command asks for each quantity that no option gives. Without
-    a terminal it takes the default and prints it.
+    FILE is mine.toml by default. The command asks for each quantity without an option. Without a
+    terminal it uses the default and prints it.
     """
     file = writable_result(file, ("toml",), overwrite=overwrite, option="FILE")
     material = _answer("bead", bead, "polystyrene", _material, _of_materials)

@@ -25,15 +25,16 @@ def force_map(
     set: Annotated[
         list[str] | None,
         typer.Option(
-            help='Change the scene: --set "optics.table_tolerance=1e-8". May be repeated.',
+            help='Change the scene, e.g. --set "optics.table_tolerance=1e-8". May be repeated.',
             metavar="KEY=VALUE",
             autocompletion=complete_setting,
         ),
     ] = None,
 ) -> None:
-    """Compute the map of the force of SCENE.
+    """Compute the force map of SCENE.
 
-    Its error is shown. The map is stored; evaluator = "map" in [optics] then reads it.
+    The command prints the error of the map and stores it. A scene uses it if evaluator = "map" in
+    [optics].
     """
     described = scene_with(scene, {"optics.evaluator": "map", **settings_of(set or [])})
     if (other := described.optics.evaluator) != "map":
@@ -46,16 +47,17 @@ def warmup(
     scene: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Shipped scenes or TOML files; all shipped if none.",
+            help="Shipped scenes or TOML files. Default: all shipped scenes.",
             metavar="SCENE",
             autocompletion=complete_scene,
         ),
     ] = None,
 ) -> None:
-    """Compile ahead what commands on SCENE need.
+    """Compile in advance for commands on SCENE.
 
-    Its map is computed too, if it has one. Without SCENE: what the shipped scenes need; for those
-    without a grid also thermal motion, and a bead of a lower index than the medium.
+    The command also computes the force map of SCENE, if it uses one. Without SCENE it compiles for
+    the shipped scenes. For those without a grid this includes thermal motion, and a bead with a
+    lower refractive index than the medium.
     """
     from tweezer.scene import load_scene, shipped_scenes
 

@@ -75,23 +75,26 @@ _OptionalScene = Annotated[
         autocompletion=complete_scene,
     ),
 ]
-_Duration = Annotated[str | None, typer.Option(help='Time simulated: "20 ms", or seconds.')]
+_Duration = Annotated[
+    str | None, typer.Option(help='Duration, s or e.g. "20 ms". Default: that of SCENE.')
+]
 _Model = Annotated[
     str | None,
     typer.Option(
-        help=f"{', '.join(MODELS)}; by the tolerance if not given.", autocompletion=among(MODELS)
+        help=f"{', '.join(MODELS)}. Default: chosen by the tolerance.",
+        autocompletion=among(MODELS),
     ),
 ]
 _Method = Annotated[
     str | None,
     typer.Option(
-        help=f"auto, {', '.join(each.name for each in methods(thermal=False))}; with thermal "
+        help=f"auto, {', '.join(each.name for each in methods(thermal=False))}; for thermal "
         f"motion auto, {', '.join(each.name for each in methods(thermal=True))}.",
         autocompletion=among(["auto", *METHODS]),
     ),
 ]
 _Thermal = Annotated[
-    bool, typer.Option("--thermal", help="Add thermal motion, and compute forces by a map.")
+    bool, typer.Option("--thermal", help="Add thermal motion, with forces from a map.")
 ]
 _Rate = Annotated[
     str | None, typer.Option(help='Samples kept per second, e.g. "50 kHz".', metavar="RATE")
@@ -100,8 +103,8 @@ _Seed = Annotated[int | None, typer.Option(help="Seed of the thermal motion. Def
 _ContinueFrom = Annotated[
     Path | None,
     typer.Option(
-        help="NetCDF file of an earlier run, which goes on for the duration of SCENE. Its "
-        "model, method and time between samples are kept.",
+        help="NetCDF file of an earlier run to continue for the duration of SCENE. Model, method "
+        "and time between samples remain those of RUN.",
         metavar="RUN",
     ),
 ]
@@ -129,10 +132,11 @@ def run(
 ) -> None:
     """Simulate the bead in SCENE.
 
-    Writes the trajectory to a NetCDF file.
+    Write the trajectory to a NetCDF file.
 
-    An existing OUT is replaced by a run of the same scene, settings and seed. Any other run needs
-    --overwrite. An interrupted or failed run replaces no file: it is written to a new one.
+    An existing OUT is replaced only by a run of the same scene, settings and seed. Any other run
+    requires --overwrite. An interrupted or failed run never replaces a file, and is written to a
+    new one.
     """
     from tweezer.scene.arguments import check_run
 

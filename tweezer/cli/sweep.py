@@ -49,8 +49,9 @@ def sweep(
     over: Annotated[
         list[str] | None,
         typer.Option(
-            help="A key with its values: beam.power=1mW..1W:60, with :log behind for equal ratios; "
-            "or bead.diameter=0.5um,1um. May be repeated: every combination is a case.",
+            help="Key with its values: a range, e.g. beam.power=1mW..1W:60, with :log at the end "
+            "for equal ratios, or a list, e.g. bead.diameter=0.5um,1um. May be repeated; every "
+            "combination is a case.",
             metavar="KEY=VALUES",
             autocompletion=complete_setting,
         ),
@@ -58,7 +59,7 @@ def sweep(
     cases: Annotated[
         Path | None,
         typer.Option(
-            help="CSV file with a case in each row; a heading is a key, perhaps with a unit: "
+            help="CSV file with one case per row. Headings are keys, optionally with a unit, e.g. "
             '"beam.power [mW]".'
         ),
     ] = None,
@@ -67,34 +68,37 @@ def sweep(
         typer.Option(help=f"Quantity to compute: {', '.join(SWEPT)}.", autocompletion=among(SWEPT)),
     ] = "trap",
     out: Annotated[
-        Path | None, typer.Option(help="Zarr store to write; SCENE-sweep.zarr if not given.")
+        Path | None, typer.Option(help="Zarr store to write. Default: SCENE-sweep.zarr.")
     ] = None,
     resume: Resume = False,
     workers: Annotated[
-        int | None, typer.Option(help="Processes; one for each core if not given.")
+        int | None, typer.Option(help="Number of processes. Default: one per core.")
     ] = None,
     scheduler: Annotated[
-        str | None, typer.Option(help="Address of a Dask scheduler whose workers compute.")
+        str | None, typer.Option(help="Address of a Dask scheduler, whose workers compute.")
     ] = None,
     trajectories: Annotated[
-        int | None, typer.Option(help="Of each ensemble; 100 if not given.")
+        int | None, typer.Option(help="Trajectories of each ensemble. Default: 100.")
     ] = None,
     seed: Annotated[
-        int | None, typer.Option(help="Of thermal motion, in every case; 0 if not given.")
+        int | None, typer.Option(help="Seed of the thermal motion in every case. Default: 0.")
     ] = None,
     skip: Annotated[
         str | None,
-        typer.Option(help='Time left out at the beginning by ensemble and calibrate: "5 ms".'),
+        typer.Option(
+            help='Time to omit at the beginning, for ensemble and calibrate, e.g. "5 ms".'
+        ),
     ] = None,
     force: OwnForces = None,
     set: Changes = None,
     plot: FigureFile = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Compute the same of many scenes.
+    """Compute a quantity for many scenes.
 
-    They differ from SCENE in a few keys. Stopped at any time, by Ctrl-C or worse, it goes on with
-    --resume where it was. Only the figure of --plot is replaced with --overwrite, never a store.
+    The scenes differ from SCENE in a few keys. Continue a sweep that was stopped, for example by
+    Ctrl-C or a crash, with --resume. --overwrite applies only to the figure of --plot; a store is
+    never replaced.
     """
     from tweezer.values.units import Time
 

@@ -19,18 +19,18 @@ def reproduce(
     what: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Figures of the thesis, 5.1 to 5.15 and C.1 to C.12; claims; waves; memory; "
-            "study. All if none.",
+            help="Figures of the thesis (5.1 to 5.15, C.1 to C.12), claims, waves, memory or "
+            "study. Default: all.",
             metavar="WHAT",
         ),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder to write to.")] = Path("thesis-results"),
-    seed: Annotated[int, typer.Option(help="Of the thermal motions.")] = 1,
+    seed: Annotated[int, typer.Option(help="Seed of the thermal motion.")] = 1,
 ) -> None:
     """Reproduce the thesis: figures and claims.
 
-    The claims with verdicts, what becomes of them with light as waves and in a
-    fluid with inertia, and the lost 500 nm bead.
+    The command draws the figures, and judges the claims with ray optics and wave optics. It also
+    computes the captures in a fluid with inertia, and studies why the 500 nm bead is lost.
     """
     from tweezer.thesis import reproduce as reproduced
 

@@ -56,12 +56,12 @@ def trap(
     heights: Annotated[
         tuple[str, str] | None,
         typer.Option(
-            help='Heights of the focus above the wall: "1 um" "10 um". Stiffness, equilibrium and '
-            "drag at each."
+            help='Lowest and highest focus above the wall, e.g. "1 um" "10 um". Compute stiffness, '
+            "equilibrium and drag at each height."
         ),
     ] = None,
     count: Annotated[
-        int | None, typer.Option(help="How many heights; 19 if not given.", min=1, max=10_000)
+        int | None, typer.Option(help="Number of heights. Default: 19.", min=1, max=10_000)
     ] = None,
     set: Changes = None,
     force: OwnForces = None,
@@ -70,8 +70,7 @@ def trap(
         typer.Option(
             "--out",
             "--json",
-            help='JSON file to write; "-" prints it and nothing else. With --heights, a NetCDF '
-            "file.",
+            help='JSON file to write; "-" prints only this file. With --heights, a NetCDF file.',
         ),
     ] = None,
     plot: FigureFile = None,
@@ -79,8 +78,8 @@ def trap(
 ) -> None:
     """Characterise the trap of SCENE.
 
-    Equilibrium, stiffness, escape, range, lifetime, efficiencies; or what changes with the height
-    above a wall.
+    The command prints the equilibrium, trap stiffness, escape force, well depth, range, lifetime
+    and efficiencies. With --heights it prints how the trap depends on the height above a wall.
     """
     described = scene_with(scene, settings_of(set or []))
     out = out and writable_result(out, ("nc",) if heights else ("json",), overwrite=overwrite)
@@ -156,14 +155,15 @@ def tune(
     factor: Annotated[
         list[float] | None,
         typer.Option(
-            help="A scaling factor; may be repeated. From epsilon to 1 if none.", metavar="A2"
+            help="Scaling factor. May be repeated. Default: from epsilon to 1.", metavar="A2"
         ),
     ] = None,
     duration: Annotated[
-        str | None, typer.Option(help='Time compared over: "1 ms", or seconds.')
+        str | None,
+        typer.Option(help='Duration compared, s or e.g. "1 ms". Default: that of SCENE.'),
     ] = None,
     deviation: Annotated[
-        str, typer.Option(help="Deviation from the unscaled bead that is allowed.")
+        str, typer.Option(help="Allowed deviation from the unscaled bead.")
     ] = "10 nm",
     method: Annotated[str, typer.Option(help="Method of the scaled runs.")] = "dormand-prince",
     set: Changes = None,
@@ -171,9 +171,9 @@ def tune(
     plot: FigureFile = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Scaled against unscaled motion of SCENE.
+    """Compare scaled and unscaled motion of SCENE.
 
-    For a list of a2: the thesis's search.
+    This is the thesis's search for a scaling factor a2, for a list of factors.
     """
     from tweezer.values.units import PositiveLength
 

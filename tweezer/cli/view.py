@@ -35,35 +35,35 @@ def view(
     run: Annotated[
         str,
         typer.Argument(
-            help="File of a run, an ensemble or a sweep (.nc, .zarr), or of a trap (.json); or a "
-            "scene, by name or file, which is run first.",
+            help="File of a run, ensemble or sweep (.nc, .zarr) or of a trap (.json), or name or "
+            "file of a scene, which is simulated first.",
             metavar="RUN",
             autocompletion=complete_shown,
         ),
     ],
     trap: Annotated[
-        bool, typer.Option("--trap", help="Of a scene its trap at rest, in place of a run.")
+        bool, typer.Option("--trap", help="Show the trap of a scene instead of a run.")
     ] = False,
     set: Changes = None,
     out: Annotated[
-        Path | None, typer.Option(help="Page to write (html); if not given, a browser shows it.")
+        Path | None, typer.Option(help="Page to write (html). Default: show it in a browser.")
     ] = None,
     movie: Annotated[
         Path | None,
-        typer.Option(help="Film to write as well (mp4, gif); needs Chromium, selenium, ffmpeg."),
+        typer.Option(help="Film to write (mp4, gif). Requires Chromium, selenium and ffmpeg."),
     ] = None,
     seconds: Annotated[
         float | None,
-        typer.Option(help=f"Time that the film of --movie takes; if not given, {_SECONDS:g}."),
+        typer.Option(help=f"Duration of the film, s. Requires --movie. Default: {_SECONDS:g}."),
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Show RUN on a page that plays.
+    """Show RUN on an interactive page.
 
-    The page is one file that needs no network: the bead in the light with its forces, and plots on
-    which a click moves it. Of an ensemble it shows all beads, of a trap the field of its force, of
-    a sweep what came out of every case. An OUT that is a page of tweezer is replaced, and no other
-    file without --overwrite.
+    The page is one file that requires no network. It shows the bead in the light with its forces,
+    and plots in which a click selects the time. For an ensemble it shows all beads, for a trap the
+    force field, and for a sweep the outcome of each case. An earlier page of tweezer at OUT is
+    replaced; any other file requires --overwrite.
     """
     out = out and writable_result(out, ("html",), overwrite=overwrite, obstacle=_obstacle)
     length = _SECONDS if seconds is None else seconds
