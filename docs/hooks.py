@@ -82,7 +82,7 @@ _SPACING = (
 _BOLD_GREEK = re.compile(r'(?<=<mi) mathvariant="bold-italic">&#x00(3[BC][0-9A-F]);')
 
 #: beginnings of the names of pages with tables of numbers, which scroll on a phone; others stack
-NUMBERS = ("evidence-", "physics.md", "scaling.md")
+NUMBERS = ("evidence-", "fluid.md", "physics.md", "scaling.md")
 _TABLE = re.compile(r"<table>\n<thead>.*?</table>", re.DOTALL)
 
 #: figures within a notebook, which nbconvert gives no text

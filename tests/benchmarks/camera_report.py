@@ -75,7 +75,7 @@ def block(results: Results) -> str:
     k, first = results["stiffness"], results["studies"][0]
     simulated = (
         f"There are {first['records']} runs of each kind in a trap of {1e6 * k['x']:.1f}, "
-        f"{1e6 * k['y']:.1f} and {1e6 * k['z']:.1f} pN/um along x, y and z. The noise of the "
+        f"{1e6 * k['y']:.1f} and {1e6 * k['z']:.1f} pN/µm along x, y and z. The noise of the "
         f"camera is {1e9 * first['noise']:.0f} nm across the light and four times that along it."
     )
     lines = [*textwrap.wrap(simulated, 110), "", *pages.tables(tables(results))[:-1]]

@@ -166,7 +166,7 @@ def block(results: Results) -> str:
         ("five heights", share("series", lambda by, _: True)),
     ]
     sampled = (
-        f"The trap has {1e6 * steady['stiffness']:g} pN/um. With a given or uncertain height there "
+        f"The trap has {1e6 * steady['stiffness']:g} pN/µm. With a given or uncertain height there "
         f"are {steady['records']} recordings at each height, with {steady['samples']:,} samples at "
         f"{steady['rate'] / 1e3:g} kHz. Driven stage and fluid inertia have {fluid['records']} "
         f"recordings each, those with fluid inertia at {fluid['rate'] / 1e3:g} kHz. There are "

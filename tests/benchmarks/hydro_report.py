@@ -163,7 +163,7 @@ def block(results: Results) -> str:
     ]
     sampled = (
         f"There are {first['records']} recordings of each kind, with {first['samples']:,} samples "
-        f"each, in a trap of {1e6 * first['stiffness']:.0f} pN/um."
+        f"each, in a trap of {1e6 * first['stiffness']:.0f} pN/µm."
     )
     shares = pages.markdown(
         ("all studies of a kind", "coverage"), [(name, _share(of)) for name, of in pooled_shares]

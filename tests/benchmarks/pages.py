@@ -26,7 +26,7 @@ def committed(name: str) -> Results:
 
 
 def markdown(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    """Return the lines of a table with its numbers aligned to the right.
+    """Return the lines of a table with its numbers aligned to the right, and with µm and ±.
 
     Raise `ValueError` if a row and the headings differ in length.
     """
@@ -35,7 +35,8 @@ def markdown(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str
     for cells in whole:
         if len(cells) != len(headings):
             raise ValueError(f"{len(headings)} headings, {len(cells)} cells: {cells}")
-    return ["| " + " | ".join(cells) + " |" for cells in whole]
+    lines = ["| " + " | ".join(cells) + " |" for cells in whole]
+    return [re.sub(r"\bum\b", "µm", line).replace("+-", "±") for line in lines]
 
 
 def tables(each: Iterable[Sequence[Sequence[str]]]) -> list[str]:
