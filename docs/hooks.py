@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
 
+import griffe
 from latex2mathml.converter import convert
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.plugins import event_priority
@@ -118,13 +119,17 @@ def on_files(files: Files, config: MkDocsConfig) -> None:
 
 
 def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
-    """Links out of docs/, to where the site has their pages."""
+    """Links out of docs/, to where the site has their pages; the names of the API in its index."""
+    if page.file.src_uri in ELSEWHERE:
+        return markdown
+    if page.file.src_uri == "api/index.md":
+        markdown = with_names(markdown)
+    up = "../" * page.file.src_uri.count("/")
 
     def on_the_site(link: re.Match[str]) -> str:
-        return f"]({MADE.get(link[1], link[1])}{link[2] or ''})"
+        return f"]({up}{MADE.get(link[1], link[1])}{link[2] or ''})"
 
-    outside = page.file.src_uri in ELSEWHERE
-    return markdown if outside else re.sub(r"\]\(\.\./([^)#]+)(#.*?)?\)", on_the_site, markdown)
+    return re.sub(rf"\]\({up}\.\./(?!\.)([^)#]+)(#.*?)?\)", on_the_site, markdown)
 
 
 @event_priority(50)  # before figures are made to enlarge
@@ -265,6 +270,25 @@ def gallery() -> str:
 def _opening(text: str) -> list[str]:
     """The comments that a scene begins with."""
     return list(itertools.takewhile(lambda line: line.startswith("#"), text.splitlines()))
+
+
+def with_names(index: str) -> str:
+    """Return the index of the API with the names of each page, and what they are, below its link.
+
+    A name is described by the first sentence of its docstring.
+    """
+    package = griffe.load("tweezer", search_paths=[ROOT], allow_inspection=False)
+
+    def names(heading: re.Match[str]) -> str:
+        lines = [heading[0], "", "| name | description |", "| --- | --- |"]
+        text = (ROOT / "docs/api" / heading[1]).read_text(encoding="utf-8")
+        for name in re.findall(r"^::: tweezer\.(\S+)$", text, re.MULTILINE):
+            docstring = package[name].docstring
+            first = re.split(r"(?<=\.)\s", docstring.value if docstring else "", maxsplit=1)[0]
+            lines.append(f"| [`{name}`][tweezer.{name}] | {_cell(first)} |")
+        return "\n".join(lines)
+
+    return re.sub(r"^## \[.*\]\((\w+\.md)\)$", names, index, flags=re.MULTILINE)
 
 
 def command_reference() -> str:

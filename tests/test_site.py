@@ -27,6 +27,7 @@ PAGES = [
     ROOT / "CONTRIBUTING.md",
     ROOT / "derivation/README.md",
     *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "docs/api").glob("*.md")),
 ]
 
 
@@ -58,9 +59,11 @@ def site(tmp_path_factory):
 def test_site_is_whole(site):
     notebooks = {path.stem for path in (ROOT / "notebooks").glob("*.ipynb")}
     assert {path.stem for path in (site / "notebooks").glob("*.html")} == notebooks
-    reference = (site / "python.html").read_text()
+    reference = "".join(page.read_text() for page in (site / "api").glob("*.html"))
     names = set(tweezer.__all__) - {"__version__"}
     assert all(f'id="tweezer.{name}"' in reference for name in names)
+    index = (site / "api/index.html").read_text()
+    assert all(f'#tweezer.{name}"><code>{name}<' in index for name in names)
     scene_keys = (site / "scenes.html").read_text()
     for section, of in tweezer.Scene.model_fields.items():
         kinds = (of.annotation, *get_args(of.annotation))  # a section that need not be given
@@ -115,7 +118,7 @@ def test_every_formula_arrives_whole(site):
     sources = [*PAGES, *(ROOT / "notebooks").glob("*.ipynb")]
     found = {}
     for source in sources:
-        page = source.relative_to(ROOT / "docs" if source.parent.name == "docs" else ROOT)
+        page = source.relative_to(ROOT / "docs" if ROOT / "docs" in source.parents else ROOT)
         page = page.with_name("index") if page.name == "README.md" else page
         drawn = re.findall(r'<math alttext="(.*?)"', (site / page.with_suffix(".html")).read_text())
         found[source.name] = formulas(source)

@@ -1,17 +1,18 @@
 from .calibration import Calibration, Surface, calibrate, find_wall, potential
 from .comparison import Comparison, compare
 from .dynamics import Event, bind, capture, chosen
-from .ensembles import ensemble, escape_times
+from .ensembles import escape_times
+from .ensembles.ensemble import ensemble
 from .fluid import wall_mobilities
 from .optics import (
     SceneLight,
     absorbed_power,
-    light,
     optical_force,
     optical_force_error,
     optical_jacobian,
     optical_torque,
 )
+from .optics.of_scene import light
 from .plots.report import write_report
 from .reading import Recording, Track, load_recording, load_track
 from .results.io import load_run, save_run, scene_of
@@ -20,9 +21,10 @@ from .runs import Summary, Tuned, Tuning, summarise, tune
 from .runs.simulation import simulate
 from .scene import Scene, load_scene, shipped_scenes
 from .scene.bead import BeadProperties, bead_properties
-from .sweeps import sweep
+from .sweeps.sweep import sweep
 from .tracking import DepthFit, FittedKey, SceneFit, fit, fit_depth
-from .trap import LeastPower, Lifetime, Trap, characterise, least_power, trap_over_heights
+from .trap import LeastPower, Lifetime, Trap, characterise, trap_over_heights
+from .trap.least_power import least_power
 from .values.errors import (
     IntegrationError,
     PhysicsWarning,

@@ -175,6 +175,7 @@ class Comparison(Shown):
     """Outcome of a comparison of two results."""
 
     names: tuple[str, str]
+    """names of the two results"""
     kind: str
     """such as "run", "thermal run", "ensemble", "statistics", "sweep of trap", "trap" """
     agrees: bool
@@ -213,40 +214,64 @@ Given = xr.Dataset | Result | str | Path
 def compare(a: Given, b: Given) -> Comparison:
     """Test whether two results agree within their errors, and report where they do not.
 
-    a, b: two runs, two ensembles (trajectories or statistics), two sweeps, two traps, two
-    calibrations or two walls found by calibrations; or their files: .nc, .zarr, and the .json of
-    `tweezer.save`, `tweezer trap --out` and `tweezer calibrate --out`.
+    A result is a run, an ensemble (trajectories or statistics), a sweep, a trap, a calibration or a
+    wall found by calibrations. Both must be of the same kind, but a trap can be compared with a
+    calibration.
 
-    Runs without thermal motion: the positions at the times that both have, whose distance must be
-    at most the sum of both errors of integration, and of runs by different models of both errors of
-    the model too, which runs by one model share; nothing is interpolated. The error of the force
-    plays no part. Sweeps of these, and traps, are compared by the sums of their errors too.
+    * Runs without thermal motion: the distance of their positions, at the times that both have,
+      must be at most the sum of both integration errors. For runs by different models the model
+      errors are added. They are not added for runs by one model, which share them. Nothing is
+      interpolated. The error of the force is not used.
+    * Traps, and sweeps of traps or runs without thermal motion: their numbers must agree within the
+      sums of their errors.
+    * Runs with thermal motion: the mean and the variance along each axis, with standard errors that
+      follow from their statistical inefficiency.
+    * Ensembles: the mean and the variance of the position over the trajectories, at up to 20 times,
+      and the fraction that is lost. For statistics: the means and variances that they contain.
+    * Calibrations: the stiffnesses without findings. A trap and a calibration are compared by their
+      stiffnesses: each estimate of the calibration without a finding against the stiffness of the
+      trap along that axis.
 
-    With thermal motion, numbers differ by chance. Of two runs the mean and the variance along each
-    axis are compared, with standard errors by their statistical inefficiency; of ensembles the
-    mean and the variance of the position over the trajectories, at up to 20 times, and the part
-    that is lost; of statistics the means and variances that they hold; of calibrations the
-    stiffnesses that nothing speaks against. Each difference over its standard error is a number of
-    Student's distribution; the ratio of two variances one of the F distribution, with the degrees
-    of freedom that their kurtosis leaves (L. H. Shoemaker, Am. Stat. 57, 105 (2003)). The scatter
-    that errors of variances, and of runs sampled alike, come from is that of both results together.
-    The probability of the largest of n differences is taken as n times its own (C. E. Bonferroni),
-    so that all comparisons together call two results of the same statistics different with a
-    probability of at most about 1 %, of whatever sizes they are. Of the same seed and steps the
-    numbers themselves are the same. Runs that ended in other ways differ whatever their numbers,
-    and so do sweeps of which other cases failed or were not computed.
+    Runs that ended with different outcomes differ, whatever their numbers are. So do sweeps in
+    which different cases failed or were not computed.
 
-    `same` of the result says that all numbers of both, and their times, are equal bit for bit: also
-    those that are not compared otherwise.
+    Parameters
+    ----------
+    a, b : Dataset, Trap, Calibration, Surface, str or Path
+        Two results, or their files: .nc, .zarr, and .json of `tweezer.save`, `tweezer trap --out`
+        or `tweezer calibrate --out`.
 
-    A trap and a calibration are compared by their stiffnesses: each estimate of the calibration
-    that has no finding against the stiffness of the trap along that axis.
+    Returns
+    -------
+    Comparison
+        The verdict `agrees`, and whether all numbers and times are equal bit for bit (`same`), also
+        those that are not compared otherwise. `notes` contains how many numbers of each quantity
+        were left out: without thermal motion, numbers without a known error; with thermal motion,
+        also numbers that only one result has. Without thermal motion such a number is a difference.
 
-    A number that only one of them has is a difference without thermal motion, and with it is left
-    out; so is one without a known error. The notes tell how many were left out of each quantity.
+    Raises
+    ------
+    ResultError
+        If an argument is no result, the kinds differ, there is no common time, or nothing differs
+        but a quantity has no number left to compare.
 
-    Raises `ResultError` for what is no result, of another kind, without a common time, and where
-    nothing differs but a quantity has no number left to compare.
+    Notes
+    -----
+    With thermal motion, numbers differ by chance. The difference of two numbers over its standard
+    error has Student's distribution, and the ratio of two variances has the F distribution with the
+    degrees of freedom that follow from their kurtosis (L. H. Shoemaker, Am. Stat. 57, 105 (2003)).
+    The errors of variances, and of runs sampled alike, follow from the scatter of both results
+    together. The probability of the largest of n differences is taken as n times its own (C. E.
+    Bonferroni). So all comparisons together call two results with the same statistics different
+    with a probability of at most about 1 %, whatever their sizes are. Results with the same seed
+    and steps have the same numbers.
+
+    Examples
+    --------
+    >>> run = tweezer.simulate("silica-1um", "1 ms")
+    >>> other = tweezer.simulate("silica-1um", "1 ms", method="dop853")
+    >>> tweezer.compare(run, other).agrees
+    True
     """
     first, second = _source(a, "first"), _source(b, "second")
     names = first.name, second.name

@@ -131,6 +131,14 @@ def calibrate(
     ResultError
         Without a temperature, for an exposure longer than the sampling interval, for a source that
         `load_recording` refuses, for a bead in the wall, and for a run without thermal motion.
+
+    Examples
+    --------
+    >>> thermal = {"forces": {"brownian": True}, "simulation": {"model": "overdamped"}}
+    >>> run = tweezer.simulate(tweezer.load_scene("silica-1um").replace(**thermal), "20 ms")
+    >>> found = tweezer.calibrate(tweezer.load_recording(run).since("2 ms"))
+    >>> 7e-5 < found.axes["x"]["power spectrum"].stiffness < 14e-5  # N/m
+    True
     """
     recording = source if isinstance(source, Recording) else load_recording(source, drive)
     if isinstance(source, Recording) and drive is not None:

@@ -79,6 +79,7 @@ class FreeAxis:
     """Diffusion of a free bead along one axis, estimated from this axis alone."""
 
     axis: str
+    """"x", "y" or "z\""""
     diffusion: float
     """maximum-likelihood diffusion coefficient, m^2/s"""
     interval: tuple[float, float]
@@ -109,6 +110,7 @@ class FreeTrack:
     """Diffusion of one of several beads, fitted with the localisation error common to all."""
 
     name: str
+    """name of the track"""
     diffusion: float
     """diffusion coefficient, m^2/s"""
     uncertainty: float
@@ -133,6 +135,7 @@ class Diffusion(Result):
     QUANTITIES: ClassVar = (FREE_DIFFUSION, *INFERRED.values(), EXPECTED)
 
     name: str
+    """name of the recording, or of the tracks"""
     diffusion: float
     """diffusion coefficient far from walls, m^2/s (V^2/s for a record in volts)"""
     uncertainty: float
@@ -194,9 +197,14 @@ class Diffusion(Result):
         return Card("Diffusion", self.name, tuple(rows), notes=self.remarks)
 
     def line(self, unit: str, seen: str = _NO_TRAP) -> str:
-        """Return the diffusion of a recording in "m" or "V" in one line.
+        """Return the diffusion of a recording in one line.
 
-        `seen` precedes the diffusion and states whether a trap was detected.
+        Parameters
+        ----------
+        unit : str
+            Unit of the positions, "m" or "V".
+        seen : str, optional
+            Text before the diffusion, about whether a trap was detected.
         """
         axes = ", ".join(each.axis for each in self.axes)
         found = _with_interval(self.coefficient(unit), self.interval)
@@ -212,8 +220,12 @@ class Diffusion(Result):
     def lines(self, unit: str, seen: str = _NO_TRAP) -> Iterator[str]:
         """Yield `line`, then the remarks, the findings and the differences between tracks.
 
-        `unit` is the unit of the positions, "m" or "V". `seen` precedes the diffusion and states
-        whether a trap was detected.
+        Parameters
+        ----------
+        unit : str
+            Unit of the positions, "m" or "V".
+        seen : str, optional
+            Text before the diffusion, about whether a trap was detected.
         """
         yield self.line(unit, seen)
         for text in (*self.remarks, *(f"not trusted: {each.text}" for each in self.findings)):

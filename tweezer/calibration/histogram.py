@@ -116,6 +116,13 @@ def potential(
     ------
     ResultError
         For positions of another shape, or positions that do not change.
+
+    Examples
+    --------
+    >>> positions = 1e-8 * np.random.default_rng(1).normal(size=10_000)
+    >>> found = tweezer.potential(positions, "20 degC")
+    >>> round(1e6 * found.stiffness)  # pN/um, near k_B T over the variance
+    41
     """
     x = numbers_in_si("positions", positions, "m")
     temperature = in_si("temperature", temperature, "K", *TEMPERATURE, error=ResultError)

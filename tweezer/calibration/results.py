@@ -247,6 +247,7 @@ class Calibration(Result):
     QUANTITIES: ClassVar = QUANTITIES
 
     name: str
+    """name of the recording"""
     temperature: float
     """temperature of the medium, K"""
     drag: float | None
@@ -266,6 +267,7 @@ class Calibration(Result):
     unit: str
     """unit of the record, "m" or "V\""""
     samples: int
+    """number of samples"""
     step: float
     """sampling interval, s"""
     note: str

@@ -45,7 +45,9 @@ class Trajectory(Shown):
     positions: Array
     """(n, axes) m, or V; NaN where a frame is missing."""
     axes: tuple[str, ...]
+    """Names of the axes, such as "x" and "y"."""
     name: str = field(default="trajectory", kw_only=True)
+    """Name of the bead."""
     unit: str = "m"
     """Unit of the positions: "m" or "V"."""
     note: str = ""
@@ -65,7 +67,13 @@ class Trajectory(Shown):
         return int(np.isfinite(self.positions).all(axis=1).sum())
 
     def since(self, time: QuantityLike) -> Trajectory:
-        """Return the part of the trajectory that begins `time` (s) after the first frame."""
+        """Return the part of the trajectory that begins at a time after the first frame.
+
+        Parameters
+        ----------
+        time : float or str
+            Time to omit, s.
+        """
         first = math.ceil(in_si(f"{self.name}: since", time, "s", error=ResultError) / self.step)
         return dataclasses.replace(self, positions=self.positions[first:])
 
@@ -166,6 +174,19 @@ def diffusion(
     ------
     ResultError
         If trajectories differ in axes, unit or rate, or a value is not allowed.
+
+    Returns
+    -------
+    Diffusion
+        Diffusion coefficient with its confidence interval, and findings.
+
+    Examples
+    --------
+    >>> from tweezer.calibration import Trajectory, diffusion
+    >>> steps = 1e-7 * np.random.default_rng(2).normal(size=(200, 2))
+    >>> found = diffusion([Trajectory(0.01, steps.cumsum(axis=0), ("x", "y"))])
+    >>> found.interval[0] < 5e-13 < found.interval[1]  # m^2/s
+    True
     """
     first = trajectories[0]
     trajectories = [each for each in trajectories if _in_a_row(each) >= LEAST_FRAMES]

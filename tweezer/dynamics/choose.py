@@ -21,7 +21,26 @@ _STIFF = 3_000
 
 
 def chosen(scene: Scene) -> tuple[Scene, str]:
-    """Return `scene` with a model, a method and fluid inertia, and the reasons: see `decided`."""
+    """Return a scene with a model, a method and fluid inertia, and the reasons.
+
+    `tweezer.simulate` makes the same choices.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene that may leave them open.
+
+    Returns
+    -------
+    tuple of Scene and str
+        The scene in which nothing is left open, and the reasons in words.
+
+    Examples
+    --------
+    >>> scene, why = tweezer.chosen(tweezer.load_scene("silica-1um"))
+    >>> scene.simulation.model
+    'full'
+    """
     problem, why = decided(bound_once(scene))
     return problem.scene, why
 

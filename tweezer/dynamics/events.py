@@ -54,12 +54,26 @@ class Occurrence:
 
 @dataclass
 class Event:
-    """Where a function of the motion changes sign.
+    """Event of a run: a function of the motion changes its sign.
 
-    value: of times (n,) s and states (n, state), the position first; gives (n,). direction: +1
-    where it rises through 0, -1 where it falls, 0 for both. terminal: the run ends there. once:
-    only the first one counts. hold: s, for which the sign must last for the event to count; it is
-    then told for the time of the change, and ends a run when the time is over.
+    Parameters
+    ----------
+    name : str
+        Name of the event in the run.
+    value : callable
+        Function of times (n,), s, and states (n, state), in which the position comes first. It
+        returns an array (n,).
+    direction : int, optional
+        +1 for a value that rises through 0, -1 for one that falls. Default: 0, for both.
+    terminal : bool, optional
+        Whether the event ends the run.
+    once : bool, optional
+        Whether only the first occurrence counts.
+    hold : float, optional
+        Time for which the sign must last for the event to count, s. The event then has the time of
+        the change of sign, and it ends a run when `hold` is over.
+    ends_as : str, optional
+        Status of a run that the event ends.
     """
 
     name: str
@@ -69,7 +83,6 @@ class Event:
     once: bool = False
     hold: float = 0.0
     ends_as: str = "ended"
-    """status of a run that it ends"""
     _sign: float = field(default=0.0, init=False, repr=False)
     """sign of the value at the end of the last piece; 0 before the first one"""
     _since: Occurrence | None = field(default=None, init=False, repr=False)
@@ -80,12 +93,20 @@ class Event:
     """(state,) or (1,), changes of the states that do not count"""
 
     def restarted(self, state: Array, close: Array | None = None) -> Event:
-        """Return the same event for a new run from `state`.
+        """Return the same event for a new run.
 
-        A sign that changes of the state as small as `close`, (state,), could change does not count:
-        a bead at rest wobbles by rounding.
+        Parameters
+        ----------
+        state : ndarray, shape (state,)
+            State at the beginning of the run.
+        close : ndarray, shape (state,), optional
+            Change of the state that does not count: a sign that such a change could change is no
+            sign, because a bead at rest wobbles by rounding.
 
-        Raises `SceneError` if `value` does not give one finite number for each time.
+        Raises
+        ------
+        SceneError
+            If `value` does not return one finite number for each time.
         """
         again = Event(
             self.name, self.value, self.direction, self.terminal, self.once, self.hold, self.ends_as
@@ -318,8 +339,28 @@ def capture(
 ) -> Event:
     """Return the event that the bead comes within `radius` of `centre` and stays there for `time`.
 
-    Each argument is a number, in m or s, or a quantity with its unit. terminal: whether the event
-    ends the run.
+    Parameters
+    ----------
+    radius : float or str
+        Largest distance from `centre`, m.
+    time : float or str
+        Time for which the bead must stay, s. The event has the time of the approach.
+    centre : array_like, shape (3,), optional
+        Position, m from the focus. Default: the focus.
+    terminal : bool, optional
+        Whether the event ends the run, once the bead has stayed for `time`.
+
+    Returns
+    -------
+    Event
+        Event for `tweezer.simulate(scene, events=[...])`. It counts once.
+
+    Examples
+    --------
+    >>> event = tweezer.capture("0.3 um", "1 ms", terminal=True)
+    >>> run = tweezer.simulate("silica-1um", "2 ms", events=[event])
+    >>> run.status
+    'ended'
     """
     radius, time = in_si("radius", radius, "m"), in_si("time", time, "s")
     place = numbers_in_si("centre", centre, "m", SceneError)

@@ -533,11 +533,22 @@ class _Released:
 
 
 def bind(scene: Scene | Problem, begin: Begin | None = None) -> EquationsOfMotion:
-    """Return the equations of motion of `scene`: the smallest emitted model that is sufficient.
+    """Return the equations of motion of a scene: the smallest emitted model that is sufficient.
 
     A scene without a model gets the unscaled equations. If the scene does not decide on fluid
-    inertia, it is omitted (`tweezer.simulate` decides on it). The equations continue from `begin`,
-    or begin at the release.
+    inertia, it is omitted (`tweezer.simulate` decides on it).
+
+    Parameters
+    ----------
+    scene : Scene or Problem
+        Scene, or what is known of it already.
+    begin : Begin, optional
+        State from which the equations continue. Default: the release.
+
+    Returns
+    -------
+    EquationsOfMotion
+        Rates, state and units of the model.
     """
     problem = bound_once(scene)
     check(problem, OF_EQUATIONS)

@@ -83,11 +83,11 @@ def ensemble(
         Compute statistics and store no trajectory.
     skip : float or str, optional
         Time after the release, s. Only the moments over time include it.
-    workers : int, optional
-        Threads on this machine. Default: one for each core.
     scheduler : str or distributed.Client, optional
         Dask scheduler, in place of `workers`. Requires `out`, in a file system that its workers
         see.
+    workers : int, optional
+        Threads on this machine. Default: one for each core.
     resume : bool, optional
         Continue the ensemble at `out`, if it exists. A missing or truncated chunk is computed
         again. A chunk with wrong bytes fails its checksum when it is read.
@@ -145,6 +145,13 @@ def ensemble(
         The results written before remain.
     IntegrationError
         If a force is not finite.
+
+    Examples
+    --------
+    >>> scene = tweezer.load_scene("silica-1um").replace(forces={"brownian": True})
+    >>> beads = tweezer.ensemble(scene, 3, duration="1 ms", seed=1)
+    >>> dict(beads.position.sizes)
+    {'trajectory': 3, 'time': 2001, 'axis': 3}
     """
     scene = checked_scene(scene)
     if duration is not None:

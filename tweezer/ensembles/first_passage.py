@@ -55,19 +55,47 @@ def escape_times(
     radius: QuantityLike,
     centre: QuantitiesLike = 0.0,
 ) -> EscapeTimes:
-    """Determine the first times at which trajectories are further than `radius` (m) from `centre`.
+    """Determine the first times at which trajectories are further than `radius` from `centre`.
 
-    times: (n,) s; positions: (trajectories, n, axes) m, NaN from where a bead was lost; centre:
-    (axes,) m. A trajectory that stays inside is censored at its end. An escape is seen at the first
-    sample outside: an excursion between two samples is missed.
+    A trajectory that stays inside is censored at its end. An escape is located at the first sample
+    outside, so an excursion between two samples is missed.
 
-    The mean is that of maximum likelihood for a constant rate, sum of times over escapes; its
-    interval is by chi-square, not below 95 % for records of a fixed length (J. F. Lawless,
-    Statistical Models and Methods for Lifetime Data, 4.1). A score test against Weibull's
-    distribution tests whether the rate is constant. Survival: E. L. Kaplan and P. Meier,
-    J. Am. Stat. Assoc. 53, 457 (1958), with log-log limits (`scipy.stats.ecdf`).
+    Parameters
+    ----------
+    times : array_like, shape (n,)
+        Times of the samples, s.
+    positions : array_like, shape (trajectories, n, axes)
+        Positions, m. They are NaN after a bead is lost.
+    radius : float or str
+        Distance from `centre`, m.
+    centre : array_like, shape (axes,), optional
+        Centre, m. Default: the focus.
 
-    Raises `ResultError` if a bead starts outside, or for arrays of other shapes.
+    Returns
+    -------
+    EscapeTimes
+        Times, their mean with its confidence interval, a test of the rate, and the survival curve.
+        The mean is the maximum-likelihood estimate for a constant rate, the sum of the times over
+        the number of escapes. Its interval follows from the chi-square distribution, and is not
+        below 95 % for recordings of a fixed length. A score test against Weibull's distribution
+        tests whether the rate is constant.
+
+    Raises
+    ------
+    ResultError
+        If a bead starts outside, or for arrays of other shapes.
+
+    References
+    ----------
+    J. F. Lawless, Statistical Models and Methods for Lifetime Data, 4.1 (interval). E. L. Kaplan
+    and P. Meier, J. Am. Stat. Assoc. 53, 457 (1958), for the survival curve, with log-log limits
+    (`scipy.stats.ecdf`).
+
+    Examples
+    --------
+    >>> positions = [[[0.0], [1.0], [3.0]], [[0.0], [0.0], [1.0]]]
+    >>> tweezer.escape_times([0, 1, 2], positions, radius=2).escaped.tolist()
+    [True, False]
     """
     from scipy.stats import CensoredData, ecdf
 

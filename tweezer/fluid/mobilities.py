@@ -39,19 +39,47 @@ def _fill(gaps, found):  # type: ignore[no-untyped-def]
 
 
 def wall_mobilities(gap_over_radius: QuantitiesLike) -> xr.Dataset:
-    """Mobilities of a sphere beside a plane wall, in slow flow, by its gap.
+    """Return the mobilities of a sphere beside a plane wall, in slow flow, by its gap.
 
-    gap_over_radius: distance of the wall from the sphere's surface, in radii, of any shape.
-    Returns, in that shape, `perpendicular`, `parallel`, `spin` and `turn`, each over its value far
-    from the wall, and `roll`: the radius times the angular velocity, over the velocity, of a bead
-    that a force pulls along the wall, in the sense in which a ball rolls. Where `parallel` and
-    `turn` are concerned nothing else acts: a bead that is pulled turns freely, and one that is
-    turned moves freely.
+    Each mobility is divided by its value far from the wall. A bead that a force pulls along the
+    wall turns freely, and one that a moment turns moves freely: nothing else acts on it.
 
-    They are the exact series (H. Brenner 1961; G. B. Jeffery 1915; M. E. O'Neill 1964; W. R. Dean
-    and M. E. O'Neill 1963), to a relative 2e-12, down to a gap of 1e-5 radii. Nearer, where a real
-    surface is rough, the first goes to zero with the gap and the others stay as they are. Raises
-    `SceneError` for a gap that is no positive finite number.
+    Parameters
+    ----------
+    gap_over_radius : array_like
+        Distance of the wall from the sphere's surface, in radii, of any shape.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the dimensions of `gap_over_radius`:
+
+        * perpendicular, parallel: mobilities across the wall and along it
+        * spin, turn: rotational mobilities about the normal of the wall and about an axis along it
+        * roll: radius times angular velocity, over the velocity, of a bead that a force pulls along
+          the wall, in the sense in which a ball rolls
+
+    Raises
+    ------
+    SceneError
+        For a gap that is not a positive finite number.
+
+    Notes
+    -----
+    The values are the exact series, to a relative 2e-12, down to a gap of 1e-5 radii. Below this
+    gap, where a real surface is rough, `perpendicular` goes to zero with the gap and the others
+    stay as they are.
+
+    References
+    ----------
+    H. Brenner (1961); G. B. Jeffery (1915); M. E. O'Neill (1964); W. R. Dean and M. E. O'Neill
+    (1963).
+
+    Examples
+    --------
+    >>> beside = tweezer.wall_mobilities([0.1, 1.0, 10.0])
+    >>> beside.parallel.round(2).values.tolist()
+    [0.44, 0.72, 0.95]
     """
     try:
         gaps = array_in_si(gap_over_radius, "")

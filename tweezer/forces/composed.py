@@ -50,7 +50,24 @@ class Sum(Force):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """Return force and moment at `positions`, the sum over the parts; see `Force.field`."""
+        """Return force and moment at positions, the sum over the parts.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (n, 3)
+            Positions from the focus, m.
+        gradient : bool, optional
+            Whether to compute gradients too.
+        time : float or ndarray, shape (n,), optional
+            Time, s.
+        orientations : ndarray, shape (n, 4), optional
+            Euler parameters. Default: (1, 0, 0, 0).
+
+        Returns
+        -------
+        Wrench
+            Force, moment, their gradients and the error of the force.
+        """
         wrench = no_wrench(len(positions), gradient=gradient)
         for each in self.forces:
             there = each.field(positions, gradient=gradient, time=time, orientations=orientations)
@@ -135,6 +152,13 @@ class Course:
     It is constant before the first point and after the last. Two points at one time are a jump;
     at that time the second holds. A periodic course repeats the points after `period`. Numbers are
     SI; all of them may be given as quantities of pint, or text such as "2 ms".
+
+    Examples
+    --------
+    >>> from tweezer.forces import Course
+    >>> course = Course(["0 ms", "2 ms"], [[0.0], [1.0]], [0.0])
+    >>> course.at(1e-3)
+    array([0.5])
     """
 
     times: Array
@@ -300,7 +324,20 @@ class Moved(Force):
         return (self.force,)
 
     def within(self, positions: Array, time: float) -> Array:
-        """Return positions (n, 3) m at a time, s, in the frame of the force that is moved."""
+        """Return positions in the frame of the force that is moved.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (n, 3)
+            Positions, m.
+        time : float
+            Time, s.
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+            Positions relative to the moved origin, m.
+        """
         turn = np.array([1.0, -1.0, -1.0]) if self.down else np.ones(3)
         return turn * (positions - self.place.at(time))
 

@@ -95,11 +95,24 @@ class Force(ABC):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """Return force and moment at `positions` (n, 3) m from the focus.
+        """Return force and moment at positions of the bead.
 
-        gradient: return their gradients too. time: s, one or (n,). orientations: (n, 4) Euler
-        parameters, for a force that depends on them; (1, 0, 0, 0) if not given. The moment of a
-        force without one is zero.
+        Parameters
+        ----------
+        positions : ndarray, shape (n, 3)
+            Positions from the focus, m.
+        gradient : bool, optional
+            Whether to compute gradients too.
+        time : float or ndarray, shape (n,), optional
+            Time, s.
+        orientations : ndarray, shape (n, 4), optional
+            Euler parameters, for a force that depends on them. Default: (1, 0, 0, 0).
+
+        Returns
+        -------
+        Wrench
+            Force, moment, their gradients and the error of the force. A force without a moment
+            returns zeros for it.
         """
         if self.oriented and orientations is None:
             orientations = np.tile([1.0, 0.0, 0.0, 0.0], (len(positions), 1))
@@ -111,7 +124,22 @@ class Force(ABC):
         field: Wrench,
         time: float | Array = 0.0,  # noqa: ARG002
     ) -> Array:
-        """Return the error of `field.force`, (n,) N; `field`: this force at `positions`, `time`."""
+        """Return the error of a force that was computed.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (n, 3)
+            Positions from the focus, m.
+        field : Wrench
+            This force at these positions and times.
+        time : float or ndarray, shape (n,), optional
+            Time, s.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Error of `field.force`, N.
+        """
         return field.error
 
 
@@ -132,10 +160,20 @@ def evaluated(
     time: float | Array = 0.0,
     orientations: Array | None = None,
 ) -> Wrench:
-    """Return force and moment of a bound force at `positions` (n, 3) m.
+    """Return force and moment of a bound force at positions of the bead.
 
-    part: address of the kernel, and data. gradient: compute gradients too, for which it must be
-    bound. time: s, one or (n,). orientations: (n, 4) Euler parameters, or None.
+    Parameters
+    ----------
+    part : Part
+        Address of the kernel, and data.
+    positions : ndarray, shape (n, 3)
+        Positions from the focus, m.
+    gradient : bool
+        Whether to compute gradients too. The force must be bound with them.
+    time : float or ndarray, shape (n,), optional
+        Time, s.
+    orientations : ndarray, shape (n, 4), optional
+        Euler parameters; None for a force that does not depend on them.
     """
     places = _in_memory(positions)
     turned = _NOT_TURNED if orientations is None else _in_memory(orientations)

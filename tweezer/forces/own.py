@@ -309,11 +309,21 @@ def _mark(data, pose, begin, found, raised):  # type: ignore[no-untyped-def]
 
 
 def kernel(function: Kernel) -> Kernel:
-    """Decorator that makes of a function the kernel of a `UserForce`.
+    """Compile a function as the kernel of a `UserForce`, as a decorator.
 
-    It is compiled when the force is first used. The machine code is not cached: a function of a
-    terminal or a notebook has no file in which a change would show. A division by zero raises, as
-    in plain Python.
+    It is compiled when the force is first used. The machine code is not cached, because a function
+    of a terminal or a notebook has no file in which a change would be detected. A division by zero
+    raises an exception, as in plain Python.
+
+    Parameters
+    ----------
+    function : callable
+        Function `(pose, data, wrench)` that reads its entries and adds to `wrench`.
+
+    Returns
+    -------
+    callable
+        The kernel.
     """
     compiled: Kernel = njit(nogil=True, boundscheck=True)(function)
     return compiled

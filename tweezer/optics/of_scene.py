@@ -51,15 +51,10 @@ def light(scene: SceneLike) -> SceneLight:
 
 @dataclass(frozen=True)
 class SceneLight:
-    """Light of a scene on its bead. `tweezer.light` makes one.
-
-    Attributes
-    ----------
-    scene : Scene
-        Scene of the light.
-    """
+    """Light of a scene on its bead. `tweezer.light` makes one."""
 
     scene: Scene
+    """scene of the light"""
 
     def field(self, positions: QuantitiesLike, *, time: QuantityLike = 0.0) -> xr.Dataset:
         """Return force, torque, gradient, error and absorbed power at positions of the bead.
@@ -219,13 +214,42 @@ def _before_axis(
 def optical_force(
     scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
 ) -> Array:
-    """Return the force of the light on the bead (3.26), N.
+    """Return the force of the light on the bead (3.26).
 
-    positions: (..., 3) m from the focus, z along the light. time: s, of beams that move or change.
-    Returns (..., 3).
-    Raises `ValueError` for another shape or a position that is not finite, and `SceneError` where
-    the bead would be inside a wall or a cover glass. Warns (`PhysicsWarning`) if the quadrature
-    misses its tolerance; `optical_force_error` has the errors.
+    `optical_force_error` returns the errors.
+
+    Parameters
+    ----------
+    scene : Scene, str or mapping
+        Scene with one or several beams.
+    positions : array_like, shape (..., 3)
+        Positions of the bead from the focus, m, z along the light. Quantities with units are
+        accepted.
+    time : float or str, optional
+        Time of beams that move or change, s.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        Force, N.
+
+    Raises
+    ------
+    ValueError
+        For positions of another shape, or that are not finite.
+    SceneError
+        Where the bead would be inside a wall or a cover glass.
+
+    Warns
+    -----
+    PhysicsWarning
+        If the quadrature misses its tolerance.
+
+    Examples
+    --------
+    >>> force = tweezer.optical_force("silica-1um", [[1e-7, 0, 0], [-1e-7, 0, 0]])
+    >>> bool(force[0, 0] < 0 < force[1, 0])  # towards the axis
+    True
     """
     of = light(scene)
     places = of._places(positions)
@@ -235,11 +259,30 @@ def optical_force(
 def optical_force_error(
     scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
 ) -> Array:
-    """Return the error of the force of the light on the bead, N.
+    """Return the error of the force of the light on the bead.
 
-    positions: (..., 3) m from the focus. time: s. Returns (...): the estimate, or the bound
-    certified by the map, or for the thesis's grid the difference from the quadrature. Errors of the
-    theory of the light are not included. Raises as `optical_force`.
+    It is the estimate of the quadrature, the bound that the map certifies, or the difference
+    between the thesis's grid and the quadrature. Errors of the theory of the light are not
+    included.
+
+    Parameters
+    ----------
+    scene : Scene, str or mapping
+        Scene with one or several beams.
+    positions : array_like, shape (..., 3)
+        Positions of the bead from the focus, m.
+    time : float or str, optional
+        Time of beams that move or change, s.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Error, N.
+
+    Raises
+    ------
+    ValueError, SceneError
+        As `optical_force` does.
     """
     of = light(scene)
     places, time = of._places(positions), to_si(time, "s")
@@ -250,11 +293,35 @@ def optical_force_error(
 def optical_jacobian(
     scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
 ) -> Array:
-    """Return the derivative of the force over the position, N/m: [..., i, j] = dF_i/dx_j.
+    """Return the derivative of the force over the position.
 
-    positions: (..., 3) m from the focus. time: s. Returns (..., 3, 3). Raises as
-    `optical_force`. The sum over the grid's rays jumps where a ray begins or ceases to hit the
-    bead; the derivative leaves the jumps out.
+    The sum over the grid's rays jumps where a ray begins or ceases to hit the bead. The derivative
+    leaves the jumps out.
+
+    Parameters
+    ----------
+    scene : Scene, str or mapping
+        Scene with one or several beams.
+    positions : array_like, shape (..., 3)
+        Positions of the bead from the focus, m.
+    time : float or str, optional
+        Time of beams that move or change, s.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+        Derivative, N/m, with [..., i, j] = dF_i/dx_j.
+
+    Raises
+    ------
+    ValueError, SceneError
+        As `optical_force` does.
+
+    Examples
+    --------
+    >>> jacobian = tweezer.optical_jacobian("silica-1um", [0, 0, 0])
+    >>> bool(-jacobian[0, 0] > 0)  # the light pulls the bead back to the axis
+    True
     """
     of = light(scene)
     places = of._places(positions)
@@ -265,13 +332,31 @@ def optical_jacobian(
 def optical_torque(
     scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
 ) -> Array:
-    """Return the moment of the light about the bead's centre, in the inertial frame, N m.
+    """Return the moment of the light about the bead's centre, in the inertial frame.
 
-    positions: (..., 3) m from the focus. time: s. Returns (..., 3). Zero for a sphere that absorbs
-    nothing: every ray leaves it with the impact parameter it came with, and every wave with its
-    angular momentum. An absorbing one takes that of the light it absorbs. With
-    `beam.torque = "thesis"` the moment (3.25).
-    Raises as `optical_force`.
+    It is zero for a sphere that absorbs nothing: every ray leaves it with the impact parameter with
+    which it came, and every wave with its angular momentum. An absorbing sphere takes the angular
+    momentum of the light that it absorbs. With `beam.torque = "thesis"` the result is the moment
+    (3.25).
+
+    Parameters
+    ----------
+    scene : Scene, str or mapping
+        Scene with one or several beams.
+    positions : array_like, shape (..., 3)
+        Positions of the bead from the focus, m.
+    time : float or str, optional
+        Time of beams that move or change, s.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        Moment, N m.
+
+    Raises
+    ------
+    ValueError, SceneError
+        As `optical_force` does.
     """
     of = light(scene)
     places = of._places(positions)
@@ -281,10 +366,34 @@ def optical_torque(
 def absorbed_power(
     scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
 ) -> Array:
-    """Return the power of the light that the bead absorbs, W.
+    """Return the power of the light that the bead absorbs.
 
-    positions: (..., 3) m from the focus. time: s. Returns (...). Zero unless an index is complex.
-    Raises as `optical_force`.
+    It is zero unless an index is complex.
+
+    Parameters
+    ----------
+    scene : Scene, str or mapping
+        Scene with one or several beams.
+    positions : array_like, shape (..., 3)
+        Positions of the bead from the focus, m.
+    time : float or str, optional
+        Time of beams that move or change, s.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Power, W.
+
+    Raises
+    ------
+    ValueError, SceneError
+        As `optical_force` does.
+
+    Examples
+    --------
+    >>> power = tweezer.absorbed_power("silica-1um", [0, 0, 0])
+    >>> float(power)
+    0.0
     """
     of = light(scene)
     places = of._places(positions)

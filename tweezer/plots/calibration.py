@@ -40,9 +40,21 @@ _SHOWN = 6000
 def calibration_figure(recording: Recording, calibration: Calibration) -> Figure:
     """Draw trajectory, density, power spectrum, mean squared displacement and potential, with fits.
 
-    Bars are standard errors. Spectra are averaged over bins of frequency only for the figure; the
-    curves are the fits in `calibration`. A recording in volts is drawn in metres. A recording with
-    a drive is drawn without the motion that the stage causes.
+    Bars are standard errors. Spectra are averaged over bins of frequency for the figure only; the
+    fits are those of `calibration`. A recording in volts is drawn in metres, and one with a drive
+    without the motion that the stage causes.
+
+    Parameters
+    ----------
+    recording : Recording
+        Recording that was calibrated.
+    calibration : Calibration
+        Its calibration.
+
+    Returns
+    -------
+    Figure
+        Matplotlib figure.
     """
     figure = style.new(*SIZE)
     draw_calibration(figure, recording, calibration)

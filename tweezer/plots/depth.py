@@ -21,7 +21,20 @@ if TYPE_CHECKING:
 
 @style.styled
 def depth_figure(track: Track, found: DepthFit) -> Figure:
-    """Draw track and fit, whitened residuals, height over time, and misfit over initial height."""
+    """Draw track and fit, whitened residuals, height over time, and misfit over the initial z.
+
+    Parameters
+    ----------
+    track : Track
+        Track that was fitted.
+    found : DepthFit
+        Result of `tweezer.fit_depth`.
+
+    Returns
+    -------
+    Figure
+        Matplotlib figure.
+    """
     figure = style.new(style.PAGE, 5.0)
     panels = figure.subplot_mosaic([["plane", "profile"], ["residuals", "depth"]])
     time = (track.times - found.start_time) * per("ms")

@@ -22,6 +22,16 @@ def fit_figure(found: SceneFit) -> Figure:
     """Draw the misfit, -2 log(likelihood), over each key, minimised over the other keys.
 
     The 95 % confidence intervals are shaded.
+
+    Parameters
+    ----------
+    found : SceneFit
+        Result of `tweezer.fit`.
+
+    Returns
+    -------
+    Figure
+        Matplotlib figure.
     """
     columns = min(len(found.keys), 3)
     rows = math.ceil(len(found.keys) / columns)

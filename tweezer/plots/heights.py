@@ -22,8 +22,17 @@ if TYPE_CHECKING:
 def heights_figure(trap: xr.Dataset) -> Figure:
     """Draw stiffness, equilibrium, drag and corner frequency over the height of the focus.
 
-    `trap` is the result of `tweezer.trap_over_heights`. Crosses on the axis mark heights at which
-    nothing holds the bead.
+    Crosses on the axis are heights at which nothing holds the bead.
+
+    Parameters
+    ----------
+    trap : xarray.Dataset
+        Result of `tweezer.trap_over_heights`.
+
+    Returns
+    -------
+    Figure
+        Matplotlib figure.
     """
     figure = style.new(style.PAGE, 4.8)
     panels = figure.subplot_mosaic(

@@ -189,11 +189,30 @@ def _band(low: float, high: float) -> str:
 
 
 def write_report(recording: Recording, calibration: Calibration, path: str | Path) -> Path:
-    """Write what `calibrate` found of a recording on one page: .html or .pdf.
+    """Write the calibration of a recording to one page: .html or .pdf.
 
-    The page says what is to be trusted, and what not and why; it has the numbers of every method
-    with their uncertainties, figures, and what was given. An HTML page is one file, without
-    anything from elsewhere. Raises `ResultError` for another ending, and if it cannot be written.
+    The page reports which numbers can be trusted, which cannot, and why. It has the numbers of
+    every method with their uncertainties, figures, and the inputs. An HTML page is one file, which
+    loads nothing from elsewhere.
+
+    Parameters
+    ----------
+    recording : Recording
+        Recording that was calibrated.
+    calibration : Calibration
+        Its calibration.
+    path : str or Path
+        Name of the file, ending in .html or .pdf.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    ResultError
+        For another ending, or if the file cannot be written.
     """
     path = Path(path)
     kind = path.suffix.lstrip(".").lower()

@@ -29,8 +29,18 @@ _SLOWEST = 5e-5
 def run_figure(run: xr.Dataset) -> Figure:
     """Draw the path in the plane of the beam's axis, and coordinates and speeds over time.
 
-    With thermal motion the distance to the focus is drawn instead of the speeds, which are
-    undefined between samples. Samples too far apart to show the motion are drawn as points.
+    With thermal motion the distance to the focus takes the place of the speeds, which have no
+    meaning between samples. Samples too far apart to show the motion are drawn as points.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        Run of `tweezer.simulate`.
+
+    Returns
+    -------
+    Figure
+        Matplotlib figure.
     """
     figure = style.new(style.PAGE, 4.3)
     axes = figure.subplot_mosaic(

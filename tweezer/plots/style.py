@@ -185,8 +185,18 @@ def use() -> None:
 def save(figure: Figure, to: Path | IO[bytes], kind: str, title: str = "") -> None:
     """Write a figure as "png", "svg" or "pdf", with its title and without a date.
 
-    `title` is by default the title above the panels. Text remains text in SVG, and PDF embeds its
-    fonts. The same figure gives the same bytes.
+    In SVG text remains text, and PDF embeds its fonts. The same figure gives the same bytes.
+
+    Parameters
+    ----------
+    figure : Figure
+        Figure to write.
+    to : Path or file
+        File, or its name.
+    kind : str
+        "png", "svg" or "pdf".
+    title : str, optional
+        Title in the file's metadata. Default: the title above the panels.
     """
     title = title or " ".join(figure.get_suptitle().split())
     made_by = f"tweezer {__version__}"

@@ -29,6 +29,18 @@ def trap_figure(scene: Scene, trap: Trap) -> Figure:
 
     The force is the sum of light and weight. Without a stable equilibrium the lines run through the
     focus.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene of the trap.
+    trap : Trap
+        Result of `tweezer.characterise`.
+
+    Returns
+    -------
+    Figure
+        Matplotlib figure.
     """
     trap.check_scene_alone("the figure of a trap")
     figure = style.new(style.PAGE, 4.1)

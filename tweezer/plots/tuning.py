@@ -16,7 +16,20 @@ if TYPE_CHECKING:
 
 @style.styled
 def tuning_figure(tuning: Tuning, name: str) -> Figure:
-    """Draw deviation and force calls of the scaled bead over its scaling factor."""
+    """Draw deviation and force calls of the scaled bead over its scaling factor.
+
+    Parameters
+    ----------
+    tuning : Tuning
+        Result of `tweezer.tune`.
+    name : str
+        Name of the scene, for the title.
+
+    Returns
+    -------
+    Figure
+        Matplotlib figure.
+    """
     figure = style.new(style.COLUMN, 3.9)
     off, work = figure.subplots(2, sharex=True)
     factors = [entry.scaling_factor for entry in tuning.entries]

@@ -57,8 +57,18 @@ _AXES = ("x", "y", "z")
 class Recording(Shown):
     """Positions of a bead at even times, or the voltages of a detector of them.
 
-    Raises `ResultError`, naming the sample, unless there are at least 100 samples of those shapes,
-    all finite, at ascending times within 0.1 steps of an even grid, and each coordinate changes.
+    Raises
+    ------
+    ResultError
+        Unless there are at least 100 samples of these shapes, all finite, at ascending times within
+        0.1 steps of an even grid, and each coordinate changes. The message names the sample.
+
+    Examples
+    --------
+    >>> times = [1e-3 * i for i in range(200)]
+    >>> positions = [1e-8 * (i % 7) for i in range(200)]
+    >>> tweezer.Recording(times, positions, ("x",)).step
+    0.001
     """
 
     times: Array
@@ -163,9 +173,17 @@ class Recording(Shown):
         return float(self.times[-1] - self.times[0]) / (len(self.times) - 1)
 
     def since(self, time: QuantityLike) -> Recording:
-        """Return the recording from `time` (s) after the first sample on.
+        """Return the recording from a time after the first sample on.
 
-        Raises `ResultError` if it has fewer than 100 samples.
+        Parameters
+        ----------
+        time : float or str
+            Time to omit, s.
+
+        Raises
+        ------
+        ResultError
+            If fewer than 100 samples remain.
         """
         time = in_si(f"{self.name}: since", time, "s", error=ResultError)
         kept = self.times >= self.times[0] + time
@@ -176,11 +194,14 @@ class Recording(Shown):
 @name_last
 @dataclass(frozen=True, repr=False)
 class Track(Shown):
-    """A bead seen by a camera: two coordinates, at times that need not be even.
+    """Coordinates x and y of a bead seen by a camera, at times that need not be even.
 
-    Raises `ResultError`, naming the frame, unless the shapes are these, times are finite and
-    ascending, no coordinate is infinite, at least ten frames have both coordinates, the first frame
-    among them, and the extent is one of a microscope's image.
+    Raises
+    ------
+    ResultError
+        Unless the shapes are these, times are finite and ascending, no coordinate is infinite, at
+        least ten frames have both coordinates, the first frame among them, and the extent fits an
+        image of a microscope. The message names the frame.
     """
 
     times: Array
@@ -315,6 +336,12 @@ def load_recording(
     ResultError
         For a file of another kind, and for samples that `Recording` refuses. The message names the
         file and the sample.
+
+    Examples
+    --------
+    >>> recording = tweezer.load_recording(tweezer.simulate("silica-1um", "2 ms"))
+    >>> recording.axes, recording.unit
+    (('x', 'y', 'z'), 'm')
     """
     reading = Reading.of(columns, rate, scale, drive, bead)
     read = read_source(source, reading, Wanted(() if reading.columns else ("x",), volts=True))
@@ -359,11 +386,39 @@ def load_track(
 ) -> Track:
     """Return the track in a run of tweezer or in a table with columns t, x and y.
 
-    An empty cell, or NaN, is a missing coordinate; frames without a time, and those before the
-    first with both coordinates, are omitted. Options are those of `load_recording`.
+    An empty cell, or NaN, is a missing coordinate. Frames without a time, and those before the
+    first with both coordinates, are omitted.
 
-    Raises `ResultError`, naming the file and the frame, as `load_recording` does, and for a track
-    that `Track` refuses.
+    Parameters
+    ----------
+    source : str, Path or xarray.Dataset
+        File, or run of tweezer, as in `load_recording`.
+    columns : str, sequence of str or mapping, optional
+        Columns to read, either in file order ("t [s],x [um],y [um]") or by heading or number from
+        1.
+    rate : float or str, optional
+        Frame rate, Hz, for frame numbers or rows without times.
+    scale : float or str, optional
+        Size of a pixel, m, e.g. "85.8 nm" or "11.66 px/um".
+    bead : str or int, optional
+        Bead to read from a table of several, as its column names it.
+
+    Returns
+    -------
+    Track
+        Two coordinates over time.
+
+    Raises
+    ------
+    ResultError
+        For a file that `load_recording` would refuse, and for a track that `Track` refuses. The
+        message names the file and the frame.
+
+    Examples
+    --------
+    >>> track = tweezer.load_track(tweezer.simulate("silica-1um", "2 ms"))
+    >>> track.positions.shape
+    (2001, 2)
     """
     read = read_source(source, Reading.of(columns, rate, scale, bead=bead), Wanted(("x", "y")))
     if isinstance(read, Run):

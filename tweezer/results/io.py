@@ -36,10 +36,26 @@ _AT_ONCE = 2**24
 
 
 def save_run(run: xr.Dataset, path: str | Path) -> Path:
-    """Write `run` to `path` as NetCDF; the file there changes only once the new one is whole.
+    """Write a run to a NetCDF file, which changes only once the new content is complete.
 
-    A digest stands behind the content, so that `load_run` notices damage. Raises `ResultError` if
-    it cannot be written, or its name does not end in .nc.
+    A digest follows the content, so that `load_run` detects damage.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        Run of `tweezer.simulate`.
+    path : str or Path
+        Name of the file, ending in .nc.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    ResultError
+        If the file cannot be written, or its name does not end in .nc.
     """
     path = Path(path)
     check_ending(path, ("nc",))
@@ -124,8 +140,20 @@ def _as_json(value: object, not_finite: Literal["null", "strings"] = "null") -> 
 def load_run(path: str | Path) -> xr.Dataset:
     """Return a saved run, read into memory.
 
-    Raises `ResultError` for a file with something else, such as another result, and for a damaged
-    file.
+    Parameters
+    ----------
+    path : str or Path
+        File of a run.
+
+    Returns
+    -------
+    xarray.Dataset
+        The run.
+
+    Raises
+    ------
+    ResultError
+        For a file with something else, such as another result, and for a damaged file.
     """
     run = load_result(Path(path))
     kind = kind_of(run)
@@ -205,7 +233,29 @@ def check_seal(path: Path) -> None:
 
 
 def scene_of(run: xr.Dataset) -> Scene:
-    """Return the scene of a run. Raises `ResultError` if it has no valid one."""
+    """Return the scene of a run.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        Run of tweezer.
+
+    Returns
+    -------
+    Scene
+        Scene that the run stores.
+
+    Raises
+    ------
+    ResultError
+        If the run has no valid scene.
+
+    Examples
+    --------
+    >>> run = tweezer.simulate("silica-1um", "1 ms")
+    >>> tweezer.scene_of(run).bead.radius
+    5e-07
+    """
     return scene_in(run.attrs)
 
 

@@ -49,10 +49,9 @@ def save(result: Any, path: str | Path) -> Path:
 
     Examples
     --------
-    >>> import tweezer
     >>> trap = tweezer.characterise(tweezer.load_scene("silica-1um"))
-    >>> tweezer.save(trap, "trap.json")
-    >>> tweezer.load("trap.json").reach == trap.reach
+    >>> path = tweezer.save(trap, "trap.json")
+    >>> tweezer.load(path).reach == trap.reach
     True
     """
     path = Path(path)
@@ -103,10 +102,9 @@ def load(path: str | Path) -> Any:
 
     Examples
     --------
-    >>> import tweezer
     >>> run = tweezer.simulate(tweezer.load_scene("silica-1um"), duration="1 ms")
-    >>> tweezer.save(run, "run.nc")
-    >>> tweezer.load("run.nc").identical(run)
+    >>> path = tweezer.save(run, "run.nc")
+    >>> tweezer.load(path).identical(run)
     True
     """
     path = Path(path)

@@ -146,6 +146,12 @@ def simulate(
         motion, a seed without thermal motion, and a run that cannot be continued.
     ResultError
         For a run that cannot be continued.
+
+    Examples
+    --------
+    >>> run = tweezer.simulate("silica-1um", "1 ms")
+    >>> run.position.sel(axis="z")[-1].item() < 1e-7  # m, near the focus
+    True
     """
     scene = _adjusted(checked_scene(scene), duration, model, method, tolerance)
     if scene.forces.brownian and tolerance:

@@ -182,6 +182,21 @@ def summarise(run: xr.Dataset) -> Summary:
 
     A run stores the summary of its motion between the samples. For a run without it, or a part of a
     run, the summary uses the samples alone, and its card reports this.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        Run of `tweezer.simulate`.
+
+    Returns
+    -------
+    Summary
+        Outcome and its time, overshoot, closest approach and largest force.
+
+    Examples
+    --------
+    >>> tweezer.summarise(tweezer.simulate("silica-1um", "2 ms")).outcome
+    'captured'
     """
     return summary_of(Run.of(run))
 

@@ -62,6 +62,7 @@ class Tuning(Shown):
     duration: float
     """time of the comparison, s"""
     method: str
+    """method of the scaled runs"""
     epsilon: float
     """m/beta_v (4.6) in the thesis's unit of time, 1 ms: its first guess of a2"""
     unscaled: Tuned
@@ -102,7 +103,18 @@ class Tuning(Shown):
         return Table(headings, rows)
 
     def most_scaling_within(self, deviation: float) -> Tuned | None:
-        """Return the entry of smallest a2 whose deviation is at most `deviation`, m, or None."""
+        """Return the entry with the smallest a2 whose deviation is small enough.
+
+        Parameters
+        ----------
+        deviation : float
+            Largest allowed deviation from the unscaled bead, m.
+
+        Returns
+        -------
+        Tuned or None
+            The entry; None if all deviate more.
+        """
         within = [
             entry
             for entry in self.entries
@@ -119,18 +131,35 @@ def tune(
     method: str = "dormand-prince",
     progress: Callable[[float], None] | None = None,
 ) -> Tuning:
-    """Compare the scaled model (4.17) with the unscaled equations for a list of a2.
+    """Compare the scaled model (4.17) with the unscaled equations for several scaling factors a2.
 
-    factors: from epsilon to 1 if not given. duration: s, the scene's if not given; the thesis
-    compares over a short time. method: of the scaled runs; the thesis's Dormand-Prince if not
-    given. The unscaled response is integrated by the exponential method. Both are in a fluid
-    without inertia, as in the thesis, whatever the scene says. Each response is
-    integrated a second time, to a sixteenth of the tolerances; the distance between the two is its
-    error. progress: called with the finished part.
+    The unscaled response is integrated by the exponential method. Both are in a fluid without
+    inertia, as in the thesis, whatever the scene's `medium.inertia` is. Each response is integrated
+    a second time, to a sixteenth of the tolerances. The distance between the two is its error.
+    Steps follow the tolerances, whatever the scene's step is.
 
-    Steps follow the tolerances, whatever the scene says. Raises `SceneError` for a factor outside
-    1e-12 to 1, or a scene with unequal moments of inertia, which the exponential method does not
-    take.
+    Parameters
+    ----------
+    scene : Scene
+        Scene with equal moments of inertia, which the exponential method requires.
+    factors : sequence of float, optional
+        Scaling factors a2, 1e-12 to 1. Default: from epsilon to 1.
+    duration : float, optional
+        Time of the comparison, s. Default: the scene's. The thesis compares over a short time.
+    method : str, optional
+        Method of the scaled runs. Default: the thesis's, Dormand-Prince.
+    progress : callable, optional
+        Called with the finished fraction.
+
+    Returns
+    -------
+    Tuning
+        Cost and error of each scaling factor.
+
+    Raises
+    ------
+    SceneError
+        For a factor out of range, or a scene with unequal moments of inertia.
     """
     scene = checked_scene(scene).replace(medium={"inertia": "none", "poles": None})
     if duration is not None:

@@ -64,7 +64,24 @@ class BeadProperties(Shown):
 
 
 def bead_properties(scene: SceneLike) -> BeadProperties:
-    """Return mass, inertia, drag and weight of the bead of a scene."""
+    """Return mass, inertia, drag and weight of the bead of a scene.
+
+    Parameters
+    ----------
+    scene : Scene, str or mapping
+        Scene of the bead.
+
+    Returns
+    -------
+    BeadProperties
+        The numbers, in SI units.
+
+    Examples
+    --------
+    >>> properties = tweezer.bead_properties("silica-1um")
+    >>> f"{properties.drag:.2e} kg/s"
+    '9.44e-09 kg/s'
+    """
     scene = checked_scene(scene)
     body, r = scene.body, scene.bead.radius  # the drag is a sphere's
     g, forces = scene.forces.gravitational_acceleration, scene.forces

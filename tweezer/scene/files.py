@@ -18,7 +18,18 @@ NOT_TOML = (ValueError, RecursionError)
 
 
 def shipped_scenes() -> dict[str, Path]:
-    """Return the shipped scene files by name."""
+    """Return the shipped scene files by name.
+
+    Returns
+    -------
+    dict of str to Path
+        Files, by the names that `load_scene` accepts.
+
+    Examples
+    --------
+    >>> "silica-1um" in tweezer.shipped_scenes()
+    True
+    """
     return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
 
 

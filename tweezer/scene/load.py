@@ -34,9 +34,33 @@ def checked_scene(scene: SceneLike) -> Scene:
 def load_scene(source: str | Path | Mapping[str, Any]) -> Scene:
     """Return the scene of a shipped name, a TOML file, or a mapping of the same form.
 
-    Raises `SceneError` with one line per bad value: the key, the value, and what is allowed.
-    Warns (`PhysicsWarning`) where the continuum drag (2.13) does not hold, and (`UnitWarning`) of
-    numbers without a unit that are unusual in the SI unit.
+    Parameters
+    ----------
+    source : str, Path or mapping
+        Name of a shipped scene (`tweezer.shipped_scenes`), file, or sections by their names.
+
+    Returns
+    -------
+    Scene
+        Validated scene.
+
+    Raises
+    ------
+    SceneError
+        For bad values, with one line for each: the key, the value, and what is allowed.
+
+    Warns
+    -----
+    PhysicsWarning
+        If the continuum drag (2.13) does not hold.
+    UnitWarning
+        For numbers without a unit that are unusual in the SI unit.
+
+    Examples
+    --------
+    >>> scene = tweezer.load_scene("silica-1um")
+    >>> f"{scene.beam.power_through_pupil} W, NA {scene.lens.numerical_aperture}"
+    '0.05 W, NA 1.25'
     """
     if isinstance(source, Mapping):
         try:

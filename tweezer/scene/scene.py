@@ -105,10 +105,16 @@ class Scene(Description):
         return as_html(self.card())
 
     def with_one_beam(self, beam: Beam, offset: float = 0.0) -> Scene:
-        """Return the scene with only this beam, along +z through the origin, constant in time.
+        """Return the scene with one beam alone, along +z through the origin, at rest and of
+        constant power.
 
-        `offset` is the largest distance of the beam's focus from the origin, m. The loss distance
-        increases by it, because the bead may be that much farther from the focus.
+        Parameters
+        ----------
+        beam : Beam
+            The beam.
+        offset : float, optional
+            Largest distance of the beam's focus from the origin, m. The loss distance is increased
+            by it, because the bead may be that much further from the focus.
         """
         at_rest = {
             "position": (0.0, 0.0, 0.0),
@@ -167,14 +173,38 @@ class Scene(Description):
     def replace(self, **sections: Any) -> Scene:
         """Return a changed copy, which is validated again.
 
-        `scene.replace(beam={"power": "80 mW"})` changes the named keys of a section and keeps the
-        others. A key displaces its alternative (the diameter a radius), and a choice displaces the
-        keys that do not belong to it (profile = uniform displaces sigma). With several beams,
-        `beam=[...]` replaces all, and `**{"beam[2]": {...}}` changes the second.
-        The title of the copy names what was changed, unless a new description is among it.
+        The named keys of a section change, and its other keys stay. A key displaces its alternative
+        (the diameter a radius), and a choice displaces the keys that do not belong to it (profile =
+        uniform displaces sigma). The title of the copy names the changes, unless a new description
+        is among them.
 
-        Raises `SceneError`. Warns (`PhysicsWarning`) of a temperature changed without the
-        viscosity, and of a numerical aperture that has no effect.
+        Parameters
+        ----------
+        **sections
+            New values by section, such as `beam={"power": "80 mW"}`. With several beams,
+            `beam=[...]` replaces all, and `**{"beam[2]": {...}}` changes the second.
+
+        Returns
+        -------
+        Scene
+            The changed scene.
+
+        Raises
+        ------
+        SceneError
+            For values that do not make a valid scene.
+
+        Warns
+        -----
+        PhysicsWarning
+            For a temperature changed without the viscosity, and for a numerical aperture that has
+            no effect.
+
+        Examples
+        --------
+        >>> scene = tweezer.load_scene("silica-1um").replace(bead={"diameter": "0.8 um"})
+        >>> scene.bead.radius
+        4e-07
         """
         replaced = self._replaced(sections)
         changed = self._changes(replaced, sections)
@@ -219,7 +249,12 @@ class Scene(Description):
     def decided(self, **sections: Mapping[str, Any]) -> Scene:
         """Return a copy in which open choices, such as the model, are resolved.
 
-        It counts as the same scene: its list of changes does not change.
+        The copy counts as the same scene: the list of changes stays as it is.
+
+        Parameters
+        ----------
+        **sections
+            Values of the choices, by section.
         """
         copy = self._replaced(sections)
         return copy.model_copy(update={"changed": self.changed})

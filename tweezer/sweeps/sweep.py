@@ -122,6 +122,13 @@ def sweep(
         case is a valid scene.
     ResultError
         If `out` exists and is not to be resumed, belongs to another sweep, or cannot be written.
+
+    Examples
+    --------
+    >>> over = {"bead.diameter": ["0.8 um", "1 um"]}
+    >>> traps = tweezer.sweep("silica-1um", over, workers=1)
+    >>> traps.outcome.values.tolist()
+    ['held', 'held']
     """
     scene = checked_scene(scene)
     grid = cases_of(over, cases)

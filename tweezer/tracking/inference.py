@@ -96,6 +96,7 @@ class SceneFit(Shown):
     log_likelihood: float
     """largest log-likelihood, to compare fits to the same recordings"""
     frames: int
+    """number of frames in all recordings"""
     p_value: float
     """probability of spectra that deviate as much or more from those of the scene"""
     likelihood: str

@@ -75,6 +75,12 @@ def trap_over_heights(
     ------
     SceneError
         For invalid heights, and if the scene is not valid at one of them.
+
+    Examples
+    --------
+    >>> trap = tweezer.trap_over_heights("silica-1um", ["2 um", "5 um"])
+    >>> trap.state.values.tolist()
+    ['held', 'held']
     """
     given = checked_heights(heights)
     scene = checked_scene(scene)

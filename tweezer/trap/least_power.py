@@ -77,6 +77,11 @@ def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | No
     SceneError
         For several beams, no light, or light that changes in time. For a time that is not positive,
         or in which even a free bead is not lost.
+
+    Returns
+    -------
+    LeastPower or None
+        The power, with its error and the lifetime; None if no power up to 100 W suffices.
     """
     from scipy.optimize import brentq
 

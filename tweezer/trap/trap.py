@@ -530,6 +530,12 @@ def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Tra
     ------
     ForceError
         If one of the user's own forces is invalid.
+
+    Examples
+    --------
+    >>> trap = tweezer.characterise("silica-1um")
+    >>> (1e6 * trap.stiffness_xyz).round(1).tolist()  # pN/um
+    [104.6, 104.6, 34.5]
     """
     problem = bound_once(scene, forces)
     scene = problem.scene

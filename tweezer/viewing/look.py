@@ -19,12 +19,32 @@ if TYPE_CHECKING:
 def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
     """Return an interactive page of a result: one HTML file that needs no server and no network.
 
-    of: a run, an ensemble or a sweep as a dataset, or the file of one (.nc, .zarr); a `Trap`, or
-    the file of one (.json of `tweezer trap --out`); or a scene, or the name or file of one, which
-    is simulated first. In Jupyter the page is shown; `Page.save(path)` writes it, and `Page.open()`
-    shows it in a browser.
+    In Jupyter the page is shown. `Page.save(path)` writes it, and `Page.open()` shows it in a
+    browser.
 
-    Raises `ResultError` for what no page shows, and `SceneError` for a scene that is none.
+    Parameters
+    ----------
+    of : Dataset, Trap, Scene, str or Path
+        A run, an ensemble, a sweep or a trap, or the file of one (.nc, .zarr, .json of `tweezer
+        trap --out`); or a scene, or the name or file of one, which is simulated first.
+
+    Returns
+    -------
+    Page
+        The page.
+
+    Raises
+    ------
+    ResultError
+        For a result that no page shows.
+    SceneError
+        For a scene that is not valid.
+
+    Examples
+    --------
+    >>> run = tweezer.simulate("silica-1um", "1 ms")
+    >>> tweezer.view(run).save("run.html").exists()
+    True
     """
     name = str(of) if isinstance(of, str | Path) else type(of).__name__
     if isinstance(of, str | Path):

@@ -38,6 +38,7 @@ class Page:
     """An interactive page: one HTML file that requires no server and no network."""
 
     content: Content
+    """what the page shows"""
 
     @property
     def html(self) -> str:
@@ -62,9 +63,22 @@ class Page:
         return re.sub("[\ud800-\udfff]", "\N{REPLACEMENT CHARACTER}", page)
 
     def save(self, path: str | Path) -> Path:
-        """Write the page to `path`, replacing an existing page.
+        """Write the page to a file, replacing a page that exists.
 
-        Raises `ResultError` if it cannot be written, or if its name does not end in .html.
+        Parameters
+        ----------
+        path : str or Path
+            Name of the file, ending in .html.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        ResultError
+            If it cannot be written, or its name does not end in .html.
         """
         path = Path(path)
         check_ending(path, ("html",))
