@@ -144,9 +144,9 @@ def block(results: Results) -> str:
     missed = sum(each["unmarked"] - each["unmarked_and_inside"] for each in numbers)
     counted = (
         f"There are {results['cameras'][0]['records']} recordings of each kind by cameras and "
-        f"{results['disturbed'][0]['records']} of each disturbed kind. The table omits recordings "
-        f"with an exposure that is not given. Their intervals miss the true value in {outside} "
-        f"results, of which {missed} have no finding."
+        f"{results['disturbed'][0]['records']} of each disturbed kind. The table omits exposed "
+        "recordings whose exposure is not given. Their intervals miss the true value in "
+        f"{outside} results, of which {missed} have no finding."
     )
     timed = (
         "The table compares the processor time of one calibration, with all methods and findings, "
