@@ -119,9 +119,9 @@ def on_files(files: Files, config: MkDocsConfig) -> None:
 
 
 def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
-    """Links out of docs/, to where the site has their pages; the names of the API in its index."""
+    """Change links out of and into docs/ to pages of the site, and list the API in its index."""
     if page.file.src_uri in ELSEWHERE:
-        return markdown
+        return markdown.replace("](docs/", "](")
     if page.file.src_uri == "api/index.md":
         markdown = with_names(markdown)
     up = "../" * page.file.src_uri.count("/")

@@ -164,13 +164,14 @@ def _named_files(text):
     return {found[1] for each in spans if (found := file.fullmatch(each))}
 
 
-def test_files_named_in_contributing_exist():
+def test_files_named_for_developers_exist():
     tops = "derivation", "docs", "generated", "notebooks", "tests", "tweezer"
     inside = [each for top in tops for each in (ROOT / top).rglob("*")]
     paths = {
         f"/{each.relative_to(ROOT)}{'/' * each.is_dir()}" for each in [*ROOT.iterdir(), *inside]
     }
-    named = _named_files((ROOT / "CONTRIBUTING.md").read_text())
+    texts = ROOT / "CONTRIBUTING.md", ROOT / "docs/extending.md"
+    named = set().union(*(_named_files(each.read_text()) for each in texts))
     users_own = {"generated.py", "derivation.py"}
     assert len(named) > 150
     assert not {
