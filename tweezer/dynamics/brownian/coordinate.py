@@ -1,7 +1,7 @@
-"""Parts of a step of one coordinate of a bead, as functions of numbers.
+"""Formulas for a step of one coordinate of a bead, shared by all Brownian schemes.
 
-The symbols are those of `tweezer.dynamics.brownian.propagator.Weights`. A number may be eight lanes
-(`tweezer.compiled.lanes`), which the loops over rows of beads hand in.
+`tweezer.dynamics.brownian.propagator.Weights` defines the symbols. A number may be eight lanes
+(`tweezer.compiled.lanes`), which the loops over rows of beads pass.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from tweezer.compiled import named_njit
 def led(x, u, normal, by_u, spread):  # type: ignore[no-untyped-def]
     """Return the position (m) after a step under a constant slow velocity and noise.
 
-    x: position, m. u: slow velocity, m/s. normal: standard normal number. by_u: displacement per
-    slow velocity, s. spread: standard deviation of the noise, m.
+    `x` is the position (m), `u` the slow velocity (m/s) and `normal` a standard normal number.
+    `by_u` is the displacement per slow velocity (s), `spread` the standard deviation of noise (m).
     """
     return x + by_u * u + spread * normal
 
@@ -23,8 +23,8 @@ def led(x, u, normal, by_u, spread):  # type: ignore[no-untyped-def]
 def beyond_spring(x, ahead, u, u_ahead, kappa):  # type: ignore[no-untyped-def]
     """Return the change of the slow velocity from x to `ahead` beyond the spring's, m/s.
 
-    x, ahead: positions, m. u, u_ahead: slow velocities there, m/s. kappa: stiffness over drag, 1/s:
-    the spring changes the slow velocity by -kappa (ahead - x).
+    The slow velocity is `u` at `x` and `u_ahead` at `ahead` (m/s and m). The spring changes it by
+    -kappa (ahead - x), where `kappa` is stiffness over drag, 1/s.
     """
     return u_ahead - u + kappa * (ahead - x)
 
@@ -33,7 +33,7 @@ def beyond_spring(x, ahead, u, u_ahead, kappa):  # type: ignore[no-untyped-def]
 def relaxed(v, u, decay, by_u, noise):  # type: ignore[no-untyped-def]
     """Return the velocity, or hidden variable, after a step in which it relaxes towards u.
 
-    v: its value before. u: slow velocity, m/s. decay: fraction of v that is left. by_u: weight of
-    u. noise: random change.
+    The fraction `decay` of its initial value `v` is left. `by_u` is the weight of the slow velocity
+    `u` (m/s), and `noise` the random change.
     """
     return decay * v + by_u * u + noise

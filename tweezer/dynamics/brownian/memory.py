@@ -1,25 +1,25 @@
-"""A step of a bead in a fluid with inertia: its velocity is a sum of independent Langevin ones.
+"""A step of a bead in a fluid with inertia: its velocity is a sum of independent Langevin modes.
 
     x' = sum a_j v_j,   tau_j v_j' = u - v_j + sqrt(2 D/a_j) xi_j,   sum a_j = 1,
 
-with <v_j^2> = D/(tau_j a_j), the slow velocity u and the trap's spring in it
-(`tweezer.fluid.memory`). Over a step h this is y -> E y + (what u and its rise give) + noise, in
-coordinates of variance 1, with E = e^(A h) and a covariance of the noise 1 - E E^T. A short step is
-doubled, which keeps the digits of both. Among the velocities E is symmetric (x and the v_j are even
-and odd under time reversal), so there are combinations of them, orthogonal and still independent,
-that decay each by itself.
+with <v_j^2> = D/(tau_j a_j), and the slow velocity u, which includes the trap's spring
+(`tweezer.fluid.memory`). In coordinates y of variance 1 a step h is y -> E y + (effect of u and its
+rise) + noise, with E = e^(A h) and the noise covariance 1 - E E^T. A short step is doubled, which
+keeps the digits of both. Among the velocities E is symmetric, because x and the v_j are even and
+odd under time reversal. So there are orthogonal, independent combinations of velocities that decay
+separately.
 
-What decays within the step merges. Of combinations that are gone after it, however many, two count:
-the one by which they move x, and the one that the velocity has besides.
+Combinations that decay within the step are merged. However many they are, only two of them matter:
+the one that displaces x, and the remaining one that contributes to the velocity.
 
-The noise of n + 1 variables needs n + 1 normal numbers, which would be the dearest part of a step.
-But what is seen of them is two: place and velocity. Whatever noise gives these the same law gives
-the bead the same law, whatever the force: the hidden variables are responses to it plus a Gaussian
-process, of which place and velocity alone matter. So z stands for what the places and velocities up
-to now say of the hidden variables, their conditional mean, and the noise of a step is the news in
-the next place and velocity: two numbers an axis, as without memory (Kalman's filter of observations
-without error, and the innovations of a Gaussian process). The variance of z is short of 1 by what
-places and velocities do not tell, which solves a Riccati equation.
+The noise of n + 1 variables would require n + 1 normal numbers, the most expensive part of a step.
+But only position and velocity are observed, and the hidden variables respond to the force plus a
+Gaussian process. Any noise that gives position and velocity the same law thus gives the same
+motion under every force. The variables z are therefore the conditional mean of the hidden variables
+given the positions and velocities so far. The noise of a step is the innovation of the next
+position and velocity: two numbers per axis, as without memory (Kalman's filter of observations
+without error). The variance of z is less than 1 by the part that positions and velocities do not
+determine, which solves a Riccati equation.
 """
 
 from __future__ import annotations
@@ -45,12 +45,13 @@ _ROUNDING = 1e-9
 #: Most doublings of the Riccati equation
 _DOUBLINGS = 100
 
-#: Rows of the weights (3, 7 + n, n) of the n hidden variables z of each axis of translation. x
-#: gains X_BY z, m, beside what `Weights` has; z becomes DECAY z + BY_U u + BY_RISE du + NOISE n +
-#: OWN n', with the numbers n and n' of position and velocity; the velocity is SEEN z, m/s. The rows
-#: from ROOT on are a root of the stationary covariance of z. One array: each costs time in a call
+#: Rows of the weights (3, 7 + n, n) of the n hidden variables z along each axis. In a
+#: step x gains X_BY z (m) in addition to the terms of `Weights`. The new z is DECAY z + BY_U u +
+#: BY_RISE du + NOISE n + OWN n', with the random numbers n of the position and n' of the velocity.
+#: The velocity is SEEN z, m/s. Rows ROOT to ROOT + n - 1 are a root of the stationary covariance of
+#: z. All share one array, because each array costs time in a call
 X_BY, DECAY, BY_U, BY_RISE, NOISE, OWN, SEEN, ROOT = range(8)
-#: Of a bead without memory
+#: Weights of a bead without memory
 NONE = np.zeros((3, 0, 0))
 
 
@@ -72,9 +73,18 @@ def axis(
 ) -> Axis:
     """Return the coefficients of a step of one axis.
 
-    h: length of the step, s. times, parts: (n,) relaxation times tau_j, s, and weights a_j of the
-    velocity modes. kappa: stiffness over drag, 1/s; 0 without a spring. diffusion: kT/beta, m^2/s.
-    gone: fraction left after the step below which a combination of velocities is dropped.
+    Parameters
+    ----------
+    h : float
+        Length of the step, s.
+    times, parts : array, shape (n,)
+        Relaxation times tau_j (s) and weights a_j of the velocity modes.
+    kappa : float
+        Stiffness over drag, 1/s; 0 without a spring.
+    diffusion : float
+        kT/beta, m^2/s.
+    gone : float
+        Fraction left after the step below which a combination of velocities is dropped.
     """
     n = len(times)
     length = math.sqrt(diffusion * h)
@@ -119,11 +129,10 @@ def together(axes: list[Axis]) -> Array:
 
 
 def of_linear_motion(A: Array, shaken: Array, h: float) -> tuple[Array, Array]:
-    """Return e^(A h) and the covariance of the noise of dy = A y dt + sqrt(shaken) dW over a step
-    h.
+    """Return e^(A h) and the noise covariance of dy = A y dt + sqrt(shaken) dW over a step h.
 
-    A, shaken: (m, m), 1/s and variances per second. The series of a short step is doubled to h, so
-    that coordinates of very different size keep their digits.
+    `A` (m, m) is in 1/s, and `shaken` (m, m) in variances per second. The series of a short step is
+    doubled to h, so that coordinates of very different size keep their digits.
     """
     size = float(np.linalg.norm(A, 2)) * h
     halvings = max(0, math.ceil(math.log2(max(size / _SHORT, 1.0))))
@@ -144,16 +153,16 @@ def of_linear_motion(A: Array, shaken: Array, h: float) -> tuple[Array, Array]:
 def _kept(E: Array, x_by: Array, seen: Array, gone: float) -> Array:
     """Return orthonormal combinations (m, n) of the n mode velocities that must be followed.
 
-    They are the eigenvectors of the step E (n, n), which is symmetric, that are not gone after a
-    step, with |eigenvalue| > gone; and what the others contribute to the displacement (x_by, (n,))
-    and to the velocity (seen, (n,)).
+    They are the eigenvectors of the symmetric step E (n, n) with |eigenvalue| > gone, which survive
+    a step. The remainders of `x_by` (n,) and `seen` (n,), by which the velocities contribute to the
+    displacement and to the bead's velocity, are added to them.
     """
     decay, directions = np.linalg.eigh((E + E.T) / 2)
     slow = directions[:, np.abs(decay) > gone].T
     found = [*slow]
     for row in (x_by, seen):
         rest = row
-        for _ in range(2):  # once more, for the digits
+        for _ in range(2):  # twice, to remove rounding errors
             rest = rest - sum((each * (each @ rest) for each in found), np.zeros_like(rest))
         if np.linalg.norm(rest) > _ROUNDING * np.linalg.norm(row):
             found.append(rest / np.linalg.norm(rest))
@@ -163,11 +172,11 @@ def _kept(E: Array, x_by: Array, seen: Array, gone: float) -> Array:
 def _news(left: Array, noise: Array, told: Array) -> tuple[Array, Array]:
     """Return the noise (n, 2) of the innovations, and the covariance (n, n) that stays unknown.
 
-    The variables become left y + noise in a step, left: (n, n), noise: its covariance (n, n), and
-    two combinations of them, told y with told: (2, n), are observed without error. The innovations
-    are the unpredictable part of the next observation. The covariance S of y given all observations
-    solves S = P - P C^T (C P C^T)^-1 C P, P = left S left^T + noise, C = told, by doubling: E.
-    K.-W. Chu, H.-Y. Fan, W.-W. Lin, Linear Algebra Appl. 396, 55 (2005).
+    In a step the variables y become `left` y + noise; `left` is (n, n) and `noise` its covariance
+    (n, n). Two combinations of them, C y with C = `told` (2, n), are observed without error. The
+    innovations are the unpredictable part of the next observation. The covariance S of y given all
+    observations solves S = P - P C^T (C P C^T)^-1 C P with P = left S left^T + noise. It is found
+    by doubling (E. K.-W. Chu, H.-Y. Fan, W.-W. Lin, Linear Algebra Appl. 396, 55 (2005)).
     """
     one = np.eye(len(left))
     of_told = told @ noise @ told.T
@@ -190,11 +199,10 @@ def _news(left: Array, noise: Array, told: Array) -> tuple[Array, Array]:
 
 @named_njit(inner=True, error_model="numpy")
 def lead(weights, beads, out):  # type: ignore[no-untyped-def]
-    """Fill `out` (dims, w) with the positions that the present u, z and noise lead to, along three
-    axes.
+    """Fill `out` (dims, w) with the positions after a step under the present u, z and noise.
 
-    u is the slow velocity at the beginning of the step and z are the hidden variables, in `beads.v`
-    after the velocities. weights: `Weights`. out may be `beads.x`.
+    Only the three axes of translation are filled. u is the slow velocity at the beginning of the
+    step. The hidden variables z are in `beads.v` after the velocities. `out` may be `beads.x`.
     """
     x, u, z, normal = beads.x, beads.u, beads.v, beads.normal
     memory, n = weights.memory, weights.memory.shape[2]
@@ -211,8 +219,7 @@ def lead(weights, beads, out):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def after(weights, beads):  # type: ignore[no-untyped-def]
-    """Advance the hidden variables z by a step, from the slow velocity at its beginning and the
-    noise.
+    """Advance the hidden variables z by a step, from the initial slow velocity and the noise.
 
     They are rows of `beads.v`, changed in place; `rise` adds the effect of the changing force.
     """
@@ -234,8 +241,8 @@ def after(weights, beads):  # type: ignore[no-untyped-def]
 def rise(weights, beads):  # type: ignore[no-untyped-def]
     """Complete a step of Heun: store the positions in `beads.x`, and correct z.
 
-    Both gain what the change of the slow velocity over the step, beyond that by the spring, adds to
-    the positions `beads.ahead` and to the hidden variables.
+    The slow velocity changes over the step by more than the spring's change. This difference is
+    added, with its weights, to the positions `beads.ahead` and to the hidden variables z.
     """
     x, u, z, ahead = beads.x, beads.u, beads.v, beads.ahead
     memory, n = weights.memory, weights.memory.shape[2]
@@ -254,9 +261,7 @@ def rise(weights, beads):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def velocities(weights, beads):  # type: ignore[no-untyped-def]
-    """Compute the velocities of translation from the hidden variables z, into the first rows of
-    `beads.v`.
-    """
+    """Fill the first rows of `beads.v` with the translational velocities SEEN z, m/s."""
     memory, n, z = weights.memory, weights.memory.shape[2], beads.v
     dims, width = beads.x.shape
     for k in range(3):

@@ -1,27 +1,27 @@
 """The gap beside a wall as the radius of a motion in a plane, whose noise is the same everywhere.
 
-With the gap g in radii a of the bead, the time in a^2/D and mu the mobility towards the wall over
-that far away, the gap moves by
+Let g be the gap in radii a of the bead, and measure time in a^2/D. With mu, the mobility towards
+the wall over its value far away, the gap moves by
 
     dg = (a F/kT) mu dt + mu' dt + sqrt(2 mu) dB.
 
-It is the length of W in a plane, by r = int_0^g dg/sqrt(2 mu(g)), if W moves by
+It is the length of a vector W in a plane, by r = int_0^g dg/sqrt(2 mu(g)), if W moves by
 
     dW = {(a F/kT) sqrt(2 mu)/2 + [mu'/sqrt(2 mu) - 1/r]/2} (W/r) dt + dB,   g = g(|W|),
 
-as Ito's formula says (`derivation.wall`). Lubrication, mu -> g, makes the last term vanish at
-contact, so there the drift is as smooth as the force, and nothing is left to be done by hand: no
-drift that the changing mobility brings, no reflection, no rule for a collision. The density of W is
-that of Boltzmann. Far away W moves as the gap does, over sqrt(2).
+as Ito's formula shows (`derivation.wall`). Lubrication, mu -> g, makes the last term vanish at
+contact, so there the drift is as smooth as the force. A step therefore requires no separate drift
+for the changing mobility, no reflection and no rule for a collision. The density of W is
+Boltzmann's. Far away W moves as the gap does, over sqrt(2).
 
-Where W points does not matter to the law of its length. So a step begins at W = (r, 0), and the
-state of a bead is its place alone.
+The direction of W does not affect the law of its length. So a step begins at W = (r, 0), and the
+state of a bead is its position alone.
 
-Between two planes mu is that of both (`tweezer.fluid.wall`), and W is taken about the nearer one.
-Past the middle the same functions hold, counted from the other.
+Between two planes mu includes both (`tweezer.fluid.wall`), and W is taken about the nearer one.
+Beyond the middle the same functions apply, counted from the other plane.
 
-What a step needs of g, or of r^2, is read from polynomials on intervals whose ends have few digits
-in binary, so that the bits of a number say which one it is in.
+A step evaluates its functions of g, or of r^2, by polynomials on intervals. The ends of the
+intervals have few binary digits, so the bits of a number give the interval that contains it.
 """
 
 from __future__ import annotations
@@ -61,10 +61,10 @@ _GAPS, _SQUARES = (-16, 26), (-15, 50)
 _TERMS = 6
 #: Nodes and weights of the quadrature of an interval
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
-#: Places in an interval, from -1 to 1, that fix its polynomials; and what makes them of its values
+#: Points of an interval, from -1 to 1, that fix its polynomials; matrix from values to coefficients
 _PLACES = -np.cos(np.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
 _FITTED = np.linalg.inv(np.vander(_PLACES, increasing=True))
-#: Numbers that eight places take
+#: Number of values that are read for eight positions
 _NUMBERS = LANES * LANES
 #: Steps of Newton's method from a gap that is right to a hundredth
 _NEWTON = 4
@@ -128,8 +128,8 @@ def _mobilities(gaps: Array, room: float) -> Mobilities:
 def _length(low: Array, high: Array, room: float) -> Array:
     """Return r(high) - r(low), the integral of dg/sqrt(2 mu(g)), by Gauss quadrature.
 
-    low, high: gaps in radii, each pair within one interval of the tables. room: as in
-    `_mobilities`.
+    `low` and `high` are gaps in radii, each pair within one interval of the tables. `room` is the
+    sum of the gaps to both planes, in radii, or infinite for one plane.
     """
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     found = np.zeros_like(middle)
@@ -157,12 +157,13 @@ def _within(edges: Array) -> Array:
 
 
 def _functions(first: Array, gaps: Array, r: Array, room: float) -> Array:
-    """Return the eight functions that a step reads, at gaps of any shape (...): (..., 8).
+    """Return the eight functions that a step reads, (..., 8), at gaps of any shape (...).
 
-    In order: first; S = sqrt(2 mu)/r and T, which give the drift (S F/2 + T) W of W under the force
-    F, in kT/radius, and in time units of radius^2/D; the mobilities along the plane, of turning,
-    spinning and rolling; and zero, which makes eight. first: r^2/g in the table over g, g/r^2 in
-    that over r^2. gaps, r: g and its length r, in radii. room: as in `_mobilities`.
+    The first is `first`: r^2/g in the table over g, g/r^2 in the table over r^2. Then come
+    S = sqrt(2 mu)/r and T, where (S F/2 + T) W is the drift of W under the force F. Units are
+    kT/radius for F and radius^2/D for time. The others are the mobilities along the plane, of
+    turning, spinning and rolling, and a zero. `gaps` are g and `r` the lengths r, in radii. `room`
+    is the sum of the gaps to both planes, in radii, or infinite for one plane.
     """
     of = _mobilities(gaps, room)
     scale = np.sqrt(2.0 * of.towards)
@@ -188,9 +189,9 @@ def _polynomials(values: Array, first: Array, last: Array) -> Array:
 def tables(room: float) -> tuple[float, Array, Array]:
     """Return r between two planes and the tables of the eight functions over g and over r^2.
 
-    room: sum of the gaps to both planes, in radii; infinite for one plane, and then so is the first
-    result. The tables are polynomial coefficients (intervals + 2, terms, 8); outside the intervals
-    the functions are constant.
+    `room` is the sum of the gaps to both planes, in radii. For one plane it and the first result
+    are infinite. The tables are polynomial coefficients (intervals + 2, terms, 8); outside the
+    intervals the functions are constant.
     """
     edges = _edges(_GAPS)
     edges = edges[: np.searchsorted(edges, 0.5 * room) + 1]
@@ -238,13 +239,11 @@ def data_of(walls: Walls, kT: float) -> Data:
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _read(numbers, begin, count, before, of, found):  # type: ignore[no-untyped-def]
-    """Fill found (64,) with the eight functions at each of eight arguments, eight entries per
-    argument.
+    """Fill found (64,) with the eight functions at each of eight arguments, g or r^2.
 
-    numbers: flat data, in which a table of `count` rows begins at the index `begin`. before:
-    number, from the bits of a floating-point number, of the table's first row. of: eight arguments,
-    g or r^2. The leading bits of an argument select its row; its other bits are its position within
-    the interval.
+    The table has `count` rows and begins at the index `begin` of the flat data `numbers`. The
+    leading bits of an argument in `of` select its row, and its other bits are its position within
+    the interval. `before` is the number that the leading bits give for the first row.
     """
     rows, places = on_stack(LANES, np.int64), on_stack(LANES, np.float64)
     bits = as_words(of)
@@ -262,11 +261,10 @@ def _read(numbers, begin, count, before, of, found):  # type: ignore[no-untyped-
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def nearest(data, z):  # type: ignore[no-untyped-def]
-    """Return for eight beads the gap to the nearer plane, the direction away from it, and its
-    position.
+    """Return for eight beads the gap to the nearer plane, the direction from it, and its position.
 
-    data: from `data_of`. z: positions, m. The gap is in radii and at least 0; the direction is 1 or
-    -1 along z; the position of the plane is in m.
+    `data` comes from `data_of`, and `z` are positions (m). The gap is in radii and at least 0. The
+    direction is 1 or -1 along z, and the position of the plane is in m.
     """
     radius, normal = number(data, RADIUS), number(data, NORMAL)
     position, room = number(data, POSITION), number(data, ROOM)
@@ -300,9 +298,10 @@ def by_gap(data, g, away):  # type: ignore[no-untyped-def]
 def by_square(data, square, away):  # type: ignore[no-untyped-def]
     """Return the gap, S, T and the mobilities of eight beads, from the squared length r^2 of W.
 
-    away: directions 1 or -1 away from the plane from which r is counted. The gap is in radii; the
-    other results are those of `by_gap`. Between two planes, r beyond the middle is counted from the
-    other one.
+    `away` is the direction 1 or -1 from the plane from which r is counted. The gap is in radii. The
+    drift of W is (S F/2 + T) W for the force F in kT/radius and time in radius^2/D. The mobilities,
+    over those far away, are along the plane, of turning, spinning and rolling. Between two planes,
+    r beyond the middle is counted from the other one.
     """
     found = on_stack(_NUMBERS, np.float64)
     folded, between = square, number(data, LENGTH)
@@ -322,8 +321,8 @@ def by_square(data, square, away):  # type: ignore[no-untyped-def]
 def _folded(square, between):  # type: ignore[no-untyped-def]
     """Return r^2 counted from the nearer of two planes, for eight values.
 
-    square: r^2 counted from the first plane; W may have passed the second plane, where it is
-    reflected. between: r from one plane to the other.
+    `square` is counted from the first plane; W may have passed the second plane, where it is
+    reflected. `between` is r from one plane to the other.
     """
     out = on_stack(LANES, np.float64)
     store(out, 0, square)
@@ -340,8 +339,8 @@ def _folded(square, between):  # type: ignore[no-untyped-def]
 def _from_the_other(data, square, folded, found):  # type: ignore[no-untyped-def]
     """Convert functions read at r from the nearer plane to r from the first plane, in place.
 
-    square, folded: eight values of r^2, counted from the first plane and from the nearer one.
-    found: (64,) filled by `_read` at `folded`; changed for the beads beyond the middle.
+    `square` and `folded` are eight values of r^2, counted from the first plane and from the nearer
+    one. `found` (64,), filled by `_read` at `folded`, changes for the beads beyond the middle.
     """
     room, between = number(data, ROOM), number(data, LENGTH)
     squares, nearer = on_stack(LANES, np.float64), on_stack(LANES, np.float64)

@@ -1,8 +1,8 @@
-"""What a step of drag and thermal noise does to each coordinate, from the emitted block.
+"""Weights of a Brownian step: the effect of drag, spring and thermal noise on each coordinate.
 
-A spring whose stiffness is not diagonal couples the coordinates. Their step is then the exponential
-of the matrix of the linear equations, and their noise what C. F. Van Loan's block matrix gives
-(IEEE Trans. Autom. Control 23, 395 (1978)).
+The formulas come from `derivation.langevin`. A spring whose stiffness is not diagonal couples the
+coordinates. Their step is then the exponential of the matrix of the linear equations, and Van
+Loan's block matrix gives their noise (C. F. Van Loan, IEEE Trans. Autom. Control 23, 395 (1978)).
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ class Weights(NamedTuple):
     """Coefficients of a step of each coordinate, all (dims,) unless stated otherwise.
 
     x gains by_v v + by_u u + by_rise du + noise_x n, and v becomes decay v + v_by_u u + v_by_rise
-    du + noise_xv n + noise_v n'. Here x is the position, v the velocity, u the slow velocity (force
-    over drag) at x, including the spring's, du its change over the step beyond the change by the
-    spring, and n, n' independent standard normal numbers.
+    du + noise_xv n + noise_v n'. Here x is the position, v the velocity, and u the slow velocity
+    (force over drag) at x, including the spring's. Its change over the step beyond the spring's
+    change is du. The standard normal numbers n and n' are independent.
     """
 
     by_v: Array
@@ -71,9 +71,9 @@ class Weights(NamedTuple):
 def inertial_block(h: float, tau: float, kappa: float) -> Array:
     """Return d, j, l, c_xx and c_vv of a step with inertia, as `derivation.langevin` defines them.
 
-    h: length of the step, s, of any size. tau: relaxation time of the velocity, s. kappa: stiffness
-    over drag, 1/s. The series for a short step is doubled to the length h. The function is not
-    compiled, because a run calls it once for each axis.
+    `h` is the length of the step (s), of any size, `tau` the relaxation time of the velocity (s),
+    and `kappa` stiffness over drag (1/s). The series for a short step is doubled to the length h.
+    The function is not compiled, because a run calls it once for each axis.
     """
     halvings = _halvings(h / tau, abs(kappa) * h, math.sqrt(abs(kappa) / tau) * h)
     h = math.ldexp(h, -halvings)
@@ -87,8 +87,8 @@ def inertial_block(h: float, tau: float, kappa: float) -> Array:
 def overdamped_block(h: float, kappa: float) -> Array:
     """Return d and j of a step without inertia, as `derivation.langevin` defines them.
 
-    h: length of the step, s, of any size. kappa: stiffness over drag, 1/s. Not compiled, because a
-    run calls it once for each axis.
+    `h` is the length of the step (s), of any size, and `kappa` stiffness over drag (1/s). The
+    function is not compiled, because a run calls it once for each axis.
     """
     halvings = _halvings(abs(kappa) * h)
     h = math.ldexp(h, -halvings)
@@ -110,8 +110,13 @@ def _halvings(*sizes: float) -> int:
 def exact(h: float, tau: Array, kappa: Array, diffusion: Array) -> Weights:
     """Return the coefficients of the exact step under drag, springs and noise.
 
-    h: length of the step, s. tau, kappa, diffusion: (dims,) relaxation time of the velocity, s (0
-    for a coordinate without inertia); stiffness over drag, 1/s; kT/drag, m^2/s or rad^2/s.
+    Parameters
+    ----------
+    h : float
+        Length of the step, s.
+    tau, kappa, diffusion : array, shape (dims,)
+        Relaxation time of the velocity (s, 0 without inertia), stiffness over drag (1/s) and
+        kT/drag (m^2/s or rad^2/s).
     """
     columns = [
         _inertial(h, *each) if each[0] > 0 else _overdamped(h, *each[1:])
@@ -123,9 +128,16 @@ def exact(h: float, tau: Array, kappa: Array, diffusion: Array) -> Weights:
 def with_memory(h: float, times: Array, parts: Array, exact: Weights, diffusion: Array) -> Weights:
     """Return the coefficients of a step in a fluid with memory, from those without memory.
 
-    h: length of the step, s. times, parts: (n,) relaxation times tau_j, s, and weights a_j of the
-    velocity modes, see `tweezer.dynamics.brownian.memory`. exact: coefficients without memory,
-    whose springs and rotation are kept. diffusion: (dims,) kT/drag, m^2/s or rad^2/s.
+    Parameters
+    ----------
+    h : float
+        Length of the step, s.
+    times, parts : array, shape (n,)
+        Relaxation times tau_j (s) and weights a_j of the velocity modes.
+    exact : Weights
+        Coefficients without memory, whose springs and rotation are kept.
+    diffusion : array, shape (dims,)
+        kT/drag, m^2/s or rad^2/s.
     """
     kappa = exact.kappa[TRANSLATION].tolist()
     axes = [
@@ -149,14 +161,20 @@ def with_memory(h: float, times: Array, parts: Array, exact: Weights, diffusion:
 
 
 def coupled(h: float, tau: Array, rates: Array, diffusion: Array) -> tuple[Array, Array]:
-    """Return the matrix of a step of (position, velocity) and a lower root of its noise's
-    covariance.
-
-    h: length of the step, s. tau: (3,) relaxation times, s; zeros without inertia, and then the
-    matrices are those of the position alone. rates: (3, 3) mobility times stiffness, 1/s.
-    diffusion: (3,) m^2/s.
+    """Return the matrix of a step of (position, velocity), and a lower root of its covariance.
 
     The matrices of a short step are doubled: this adds covariances, so no digits cancel.
+
+    Parameters
+    ----------
+    h : float
+        Length of the step, s.
+    tau : array, shape (3,)
+        Relaxation times, s. If they are 0, the matrices describe the position alone.
+    rates : array, shape (3, 3)
+        Mobility times stiffness, 1/s.
+    diffusion : array, shape (3,)
+        kT/drag, m^2/s.
     """
     size = float(np.linalg.norm(rates, 2))
     sizes = [size * h]
@@ -167,7 +185,7 @@ def coupled(h: float, tau: Array, rates: Array, diffusion: Array) -> tuple[Array
     A, noise = _linear_motion(tau, rates, diffusion)
     unit = np.ones(len(A))
     if tau[0] > 0:
-        unit[POSITION] = h  # the way of a short step
+        unit[POSITION] = h  # displacement per velocity in a short step
     A, noise = A * unit / unit[:, None], noise / unit**2
     n = len(A)
     block = expm(h * np.block([[-A, np.diag(noise)], [np.zeros_like(A), A.T]]))
@@ -182,8 +200,9 @@ def coupled(h: float, tau: Array, rates: Array, diffusion: Array) -> tuple[Array
 def stationary_root(tau: Array, rates: Array, diffusion: Array) -> Array:
     """Return a lower root of the stationary covariance of (position, velocity) in the trap.
 
-    Without inertia (tau = 0) the covariance is that of the position alone. Arguments as in
-    `coupled`. The covariance solves the Lyapunov equation of the linear motion.
+    The covariance solves the Lyapunov equation of the linear motion. `tau` (3,) are the relaxation
+    times (s); if they are 0, the covariance describes the position alone. `rates` (3, 3) are
+    mobility times stiffness (1/s), and `diffusion` (3,) is kT/drag (m^2/s).
 
     Raises `SceneError` if there is no stationary motion: light that pushes a bead round the axis
     drives it out of a trap whose drag is too weak.
@@ -209,9 +228,9 @@ def stationary_root(tau: Array, rates: Array, diffusion: Array) -> Array:
 def stationary_root_with_memory(weights: Weights, rates: Array) -> Array:
     """Return a root of the stationary covariance of position and hidden variables under Heun steps.
 
-    The result is (3 + 3 n, 3 + 3 n), for n hidden variables z of each axis. rates: (3, 3) mobility
-    times stiffness, 1/s; entries beyond the springs of the weights act as the rest of the force
-    does. Raises `SceneError` as `stationary_root`.
+    The result is (3 + 3 n, 3 + 3 n), for n hidden variables z of each axis. `rates` (3, 3) are
+    mobility times stiffness (1/s). Their entries beyond the springs of the weights act as the rest
+    of the force. Raises `SceneError` if there is no stationary motion.
     """
     z, n = weights.memory, weights.memory.shape[2]
     size = 3 + 3 * n
@@ -258,7 +277,8 @@ def stationary_root_with_memory(weights: Weights, rates: Array) -> Array:
 def _linear_motion(tau: Array, rates: Array, diffusion: Array) -> tuple[Array, Array]:
     """Return A and q of dz = A z dt + sqrt(q) dW.
 
-    z is the position and, with inertia (tau > 0), the velocity. Arguments as in `coupled`.
+    z is the position and, with inertia (`tau` > 0, s), the velocity. `rates` are mobility times
+    stiffness (1/s), and `diffusion` is kT/drag (m^2/s).
     """
     if tau[0] == 0:
         return -rates, 2 * diffusion
@@ -280,9 +300,7 @@ def _root(covariance: Array) -> Array:
 
 
 def _inertial(h: float, tau: float, kappa: float, diffusion: float) -> tuple[float, ...]:
-    """Return the fields of `Weights` from by_v to noise_v for one coordinate with inertia; see
-    `exact`.
-    """
+    """Return the fields of `Weights` from by_v to noise_v for one coordinate with inertia."""
     block = inertial_block(h, tau, kappa)
     *weights, c_xv = langevin.inertial_step.py_func(h, tau, kappa, block)
     c_xx, c_vv = block[3:].tolist()
@@ -294,8 +312,6 @@ def _inertial(h: float, tau: float, kappa: float, diffusion: float) -> tuple[flo
 
 
 def _overdamped(h: float, kappa: float, diffusion: float) -> tuple[float, ...]:
-    """Return the fields of `Weights` from by_v to noise_v for one coordinate without inertia; see
-    `exact`.
-    """
+    """Return the fields of `Weights` from by_v to noise_v for one coordinate without inertia."""
     by_u, by_rise, spread = langevin.overdamped_step.py_func(h, kappa, overdamped_block(h, kappa))
     return 0.0, by_u, by_rise, 0.0, 0.0, 0.0, kappa, math.sqrt(diffusion * spread), 0.0, 0.0

@@ -1,17 +1,17 @@
-"""Beside a wall, without inertia: Heun and one call a step, in the plane whose radius is the gap.
+"""Steps beside a wall, without inertia: Heun and one-call steps in a plane whose radius is the gap.
 
-Towards the wall a bead moves in that plane (`tweezer.dynamics.brownian.plane`), from (r, 0) at the
-begin of each step: by exponential Heun, or by the method of Leimkuhler and Matthews. It cannot get
-through the wall, however long the step. Along the wall
+Towards the wall a bead moves in that plane (`tweezer.dynamics.brownian.plane`). Each step starts
+from (r, 0) and uses exponential Heun, or the method of Leimkuhler and Matthews. The bead cannot
+pass through the wall, however long the step. Along the wall
 
     dx = mu_par (D/kT) F dt + sqrt(2 D mu_par) dB
 
-brings no drift, as mu_par depends on the gap alone. Of the noise of a step mu_par is the mean of
-begin and end; with one call it is that where the force is asked for.
+causes no drift, as mu_par depends on the gap alone. The noise of a Heun step uses the mean of
+mu_par at the beginning and the end. The one-call step uses mu_par where the force is evaluated.
 
-The same holds of the rotation. Turning about an axis along the wall and shifting across that axis
-have one matrix of mobilities, and correlated noise. The angles of a step are one finite turn, which
-bounds the step (`tweezer.dynamics.brownian.rotation`).
+Rotation is treated in the same way. Turning about an axis along the wall and shifting across that
+axis share one matrix of mobilities, and their noise is correlated. The angles of a step are one
+finite turn, which bounds the step (`tweezer.dynamics.brownian.rotation`).
 """
 
 from __future__ import annotations
@@ -35,17 +35,16 @@ from tweezer.forces.data import number
 #: Torque at unit angular velocity over force at unit velocity, far away, in squared radii
 _ARM = 4 / 3
 
-#: Rows that a step keeps of each bead: where it leads in the plane, and r and its change at the
-#: begin; S and T of the drift there, over the time; the nearer plane; mobilities along it, of
-#: turning, spinning and rolling at the begin, and where it leads
+#: Rows that a step keeps of each bead: the predicted position in the plane (W, ACROSS), then r and
+#: its rate at the beginning. PULL and DRIFT give the rate at the predicted position. Then come the
+#: direction from the nearer plane and its position, and the four mobilities (along the plane, of
+#: turning, spinning and rolling) at the beginning and at the predicted position
 W, ACROSS, R, CHANGE, PULL, DRIFT, AWAY, PLANE, BEGIN, AHEAD, ROWS = *range(9), 12, 16
 
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _keep(kept, first, i, mobilities):  # type: ignore[no-untyped-def]
-    """Store four mobilities of eight beads, those from bead i on, in the rows from `first` of
-    `kept`.
-    """
+    """Store four mobilities of the eight beads i to i + 7 in the rows from `first` of `kept`."""
     width = kept.shape[1]
     for k in range(4):
         store(kept, (first + k) * width + i, mobilities[k])
@@ -65,10 +64,10 @@ def _kept(kept, first, i):  # type: ignore[no-untyped-def]
 def _slow_down(u, radius, mobilities, i):  # type: ignore[no-untyped-def]
     """Convert slow velocities of eight beads far from the wall to those beside it, in place.
 
-    u: (dims, w) velocities along (m/s) and angular velocities about (rad/s) each axis; the row
-    across the wall is left as it is. radius: m. mobilities: along the wall, of turning, spinning
-    and rolling, over those far away (rolling in units of velocity/radius). i: column of the first
-    bead.
+    `u` (dims, w) are velocities along (m/s) and angular velocities about (rad/s) each axis. The row
+    across the wall is not changed. `mobilities`, along the wall, of turning, spinning and rolling,
+    are relative to those far away (rolling in velocity/radius, with `radius` in m). `i` is the
+    column of the first bead.
     """
     dims, width = u.shape
     along, turn, spin, roll = mobilities
@@ -90,8 +89,8 @@ def _slow_down(u, radius, mobilities, i):  # type: ignore[no-untyped-def]
 def _shake(weights, beads, mobilities, i):  # type: ignore[no-untyped-def]
     """Fill `beads.kick` with the noise of eight beads along the wall (m) and of their angles (rad).
 
-    mobilities: as in `_slow_down`. Shifting along the wall and turning have correlated noise. i:
-    column of the first bead.
+    `mobilities`, relative to those far away, are along the wall, of turning, spinning and rolling.
+    Shifting along the wall and turning have correlated noise. `i` is the column of the first bead.
     """
     normal, kick = beads.normal, beads.kick
     dims, width = kick.shape
@@ -183,8 +182,7 @@ def heun_step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def one_call_step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
-    """Advance all beads by one step of Leimkuhler and Matthews beside a wall, with one force
-    evaluation.
+    """Advance all beads by a step of Leimkuhler and Matthews beside a wall, with one force call.
 
     The force is evaluated after half of the noise, at `beads.ahead`, which is also the sample. W =
     (w, across) is the vector whose length gives the gap, see the module `plane`.

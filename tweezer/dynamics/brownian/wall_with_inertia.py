@@ -1,24 +1,24 @@
-"""Beside a wall, with inertia: an exact step of a friction that stands still, corrected for change.
+"""Steps beside a wall, with inertia: exact at constant friction, then corrected for its change.
 
-Over a step h an exact step with the friction of its begin leaves out how the friction changes, of
-which the first order of the correlation of place and velocity is (`derivation.wall`)
+An exact step h with the initial friction neglects the change of the friction. To first order the
+correlation of position and velocity then lacks (`derivation.wall`)
 
-    kT mu' [h - 2 tau (1 - E) + h E]   of the place,
+    kT mu' [h - 2 tau (1 - E) + h E]   of the position,
     kT mu' [1 - E - (h/tau) E]   of the velocity,   E = e^(-h/tau), tau = m mu.
 
-The first is split. Of noise that spreads a bead by 2 kT mu h', h' = h - 2 tau (1 - E) +
-tau (1 - E^2)/2, what takes h' of it is the drift of the plane of the gap
-(`tweezer.dynamics.brownian.plane`). There noise, force and drift act, for h' and, by Heun's rule,
-for what h leaves of the force; the way by the velocity, tau (1 - E) v, is added to r such that the
-gap gains just that, up to its third power. In the limit of no inertia this is the step without; and
-as the gap is what |W| says, no bead gets through the wall.
+The first term is split. The noise spreads a bead by 2 kT mu h', with h' = h - 2 tau (1 - E) +
+tau (1 - E^2)/2. The drift of the plane of the gap (`tweezer.dynamics.brownian.plane`) accounts for
+the part h' of the term. In that plane noise, force and drift act for the time h', and the force
+acts, by Heun's rule, for the rest of h. The displacement by the velocity, tau (1 - E) v, is added
+to r such that the gap gains exactly this, up to its third power. Without inertia this is the step
+of `tweezer.dynamics.brownian.wall`. As |W| gives the gap, no bead passes through the wall.
 
-At contact friction has no end and inertia no part in the motion: the velocity relaxes within less
-than any step, and is that of Maxwell. A bead that comes in fast is stopped by the friction, not
-thrown back. What a step may be depends on how far a bead flies freely, sqrt(kT m)/beta, in radii:
-of parts in a thousand in a liquid, so that the step is bounded by the force alone.
+At contact the friction is infinite and inertia has no effect: the velocity relaxes within any step
+and is Maxwell distributed. A fast bead is stopped by the friction and not thrown back. The step is
+limited by the free flight of a bead, sqrt(kT m)/beta, in radii. In a liquid it is parts in a
+thousand, so the force alone limits the step.
 
-Along the wall friction changes by the gap alone, and nothing is to be corrected.
+The friction along the wall depends on the gap alone and requires no correction.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ from tweezer.forces.data import number
 #: Step over the relaxation time below which its functions are series
 _SHORT = 1e-2
 
-#: Rows that a step keeps of each bead: direction away from the nearer plane and its position, r, S,
-#: T and the mobility along it at the begin; where the step leads in the plane; S, T there; what
-#: `_of_step` gives along the plane, and towards it
+#: Rows that a step keeps of each bead. At the beginning: the direction from the nearer plane, its
+#: position, r, S, T and the mobility along it. Then the predicted W in the plane (two rows), and S
+#: and T there. Last come the results of `_of_step` along the plane (BESIDE) and towards it
 AWAY, PLANE, R, S, T, ALONG, W, ACROSS, S_AHEAD, T_AHEAD, BESIDE, TOWARDS, ROWS = (
     *range(11), 15, 20,
 )  # fmt: skip
@@ -50,8 +50,8 @@ def _of_step(step, tau):  # type: ignore[no-untyped-def]
     """Return five functions of a step h of a bead with the relaxation time tau, both in s.
 
     They are E = e^(-h/tau), 1 - E, tau (1 - E), the time h' whose diffusion has the spread of the
-    step, and the displacement per change of the slow velocity over the step, all in s from the
-    third on.
+    step, and the displacement per change of the slow velocity over the step. The last three are in
+    s.
     """
     if not tau > 0.0:
         return 0.0, 1.0, 0.0, step, 0.5 * step
@@ -85,10 +85,9 @@ def _kept(kept, first, i):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _look(data, x, kept):  # type: ignore[no-untyped-def]
-    """Fill the rows AWAY to ALONG of `kept` with plane, r, S, T and mobility at the beginning of a
-    step.
+    """Fill the rows AWAY to ALONG of `kept` with plane, r, S, T and mobility when a step begins.
 
-    data: from `plane.data_of`. x: (3, w) positions, m.
+    `data` comes from `plane.data_of`, and `x` (3, w) are positions (m).
     """
     width = x.shape[1]
     for i in range(0, width, LANES):
@@ -132,7 +131,7 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]  # noqa: 
         functions = _of_step(h, free * mu)
         _keep(kept, TOWARDS, i, functions)
         left, gone, way, spreading, _ = functions
-        # the way by the velocity, over the change of the gap with r
+        # displacement by the velocity, over the derivative of the gap by r
         flight = 0.5 * free * gone * kept[AWAY, i] * v[2, i] / radius
         flown = flight * scale * (1.0 - 0.5 * slope * flight)
         rest = h * left - 0.5 * free * mu * (1.0 - left * left)
@@ -189,11 +188,10 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]  # noqa: 
 
 @named_njit(inner=True, error_model="numpy")
 def _noise_of_velocity(diffusion, tau, left, gone, spreading):  # type: ignore[no-untyped-def]
-    """Return the noise of the velocity in a step, m/s: proportional to the position's, and
-    independent.
+    """Return the velocity noise in a step (m/s): the part proportional to the position's, the rest.
 
-    diffusion: D, m^2/s. tau: relaxation time, s. left, gone, spreading: E, 1 - E and h' of
-    `_of_step`.
+    `diffusion` is D (m^2/s) and `tau` the relaxation time (s). `left`, `gone` and `spreading` are
+    E = e^(-h/tau), 1 - E and the time h' whose diffusion has the spread of the step h (s).
     """
     if not tau > 0.0:
         return 0.0, 0.0

@@ -1,25 +1,27 @@
-"""Exponential collocation at Gauss's nodes: the drag exactly, several places in one call.
+"""Exponential collocation at Gauss nodes: the drag is exact, and one call evaluates all nodes.
 
-The velocity of the bead relaxes to u = F/beta, of which the motion is known exactly where u is a
-polynomial (`modes`). In a step [0, h] the polynomial through the values of u at Gauss's nodes c_j
-gives the places there, which are linear in these values: X = x + base + M U. So U = u(X) is solved
-for by Newton's method: the force and its gradient J at all nodes in one call, the correction
-(1 - M J) d = x + base + M U - X by iteration or, where that is slow, by elimination; then forces
-alone, with the same J, until the correction is small. In the limit of no inertia these are Gauss's
-Runge-Kutta methods (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.5), of
-order 2 N at the ends of steps with N nodes; the polynomial between them is of order N + 1.
+The velocity of the bead relaxes to the slow velocity u = F/beta. Its motion is known exactly where
+u is a polynomial of time (`modes`). In a step [0, h] the polynomial through the values U of u at
+the Gauss nodes c_j gives the positions X there, which are linear in U: X = x + base + M U.
 
-Where the mobility b depends on the place, u = b(x) F(x) is again a function of the place, and its
-gradient has that of b. So motion without inertia keeps the order. With inertia the relaxation times
-stand still for a step, at what they are in the middle of it. That is of order 2, and is worth no
-more than the change of these times in a step times that of the velocity: their product is part of
-the error of a step. Those of a rotation stay what they are at the start: of its inertia nothing is
-left in the motion but an angle of their change times the angular velocity.
+Newton's method solves U = u(X). The first call evaluates the force and its gradient J at all
+nodes. The correction d, (1 - M J) d = x + base + M U - X, is found by iteration or, where that is
+slow, by elimination. Later calls evaluate forces alone, with the same J, until d is small.
+Without inertia these are Gauss's Runge-Kutta methods (E. Hairer, G. Wanner, Solving Ordinary
+Differential Equations II, IV.5). With N nodes they have order 2 N at the ends of steps, and the
+polynomial between the ends has order N + 1.
 
-The last Legendre coefficients of u are how much the polynomial misses it by. Known after the first
-correction, they end a step that is too long before more is spent on it. An error upstream grows as
-the speed of the bead does: what a step may be off is the tolerance where the bead is as fast as it
-gets and where neighbouring places draw together, and less in proportion where it is slower,
+Where the mobility b depends on the position, u = b(x) F(x) is still a function of the position, and
+its gradient includes the gradient of b. Motion without inertia therefore keeps its order. With
+inertia, each step uses the relaxation times at its midpoint. This approximation is second order in
+the step. Its error is at most the change of these times times the change of the velocity in a step;
+the error of a step includes it. The relaxation times of a rotation keep their initial values:
+the inertia changes the orientation only by an angle, their change times the angular velocity.
+
+The error of the polynomial is estimated from the last Legendre coefficients of u. They are known
+after the first correction, so a step that is too long is given up early. An early error grows as
+the speed of the bead does. The allowed error is therefore the tolerance where the bead is fastest
+and where neighbouring paths approach each other. Elsewhere it decreases in proportion to the speed,
 down to a hundredth.
 """
 
@@ -110,8 +112,8 @@ _ITERATED, _ROUNDS = 0.003, 16
 #: which the step is given up
 _SLOW = 0.5
 
-#: First column of the velocities of the modes in a state of the loop: it is x, these, e of a
-#: rotation, and the relaxation times of a drag by place
+#: Column of the first mode velocity in a state of the loop. A state contains x, the velocities of
+#: the modes, e of a rotation, and the relaxation times if the drag depends on the position
 _MODES = POSITION.stop
 
 #: Number of vector components at all nodes, and of elements of a matrix from node to node
@@ -274,9 +276,8 @@ def _relaxation_times(system, how, time, place, work, out):  # type: ignore[no-u
 def _freeze(system, how, time, step, y, work):  # type: ignore[no-untyped-def]
     """Set the relaxation times for a step to those at the estimated midpoint of the bead's path.
 
-    step: its length, s. y: (state,) state at the beginning; the midpoint is estimated by the
-    velocity in it. The times are also kept in the last three entries of y, where the dense output
-    reads them.
+    `step` is its length (s) and `y` the initial (state,), whose velocity gives the midpoint. The
+    last three entries of `y` keep the times too, where the dense output reads them.
     """
     for i in range(3):
         work.powers[0, i] = y[i] + 0.5 * step * y[_MODES + i]
@@ -289,10 +290,10 @@ def _freeze(system, how, time, step, y, work):  # type: ignore[no-untyped-def]
 def _error_of_freezing(system, how, time, step, y, new, work):  # type: ignore[no-untyped-def]
     """Return the error of the position, m, due to constant relaxation times in a step.
 
-    y, new: states at the beginning and the end. The bead follows the slow velocity u with the delay
-    tau. If u changes by du in a step, an error of tau displaces the bead by du times this error.
-    The midpoint value of tau differs from the mean of both ends by half of its second difference; a
-    sixth of the change of tau is added because u and tau change together.
+    `y` and `new` are the states at the beginning and the end. The bead follows the slow velocity u
+    with the delay tau. An error of tau causes a displacement: this error times the change of u in a
+    step. The midpoint value of tau differs from the mean of both ends by half of its second
+    difference. A sixth of its change is added because u and tau change together.
     """
     begin, end = work.chi[:3], work.chi[3:6]
     _relaxation_times(system, how, time, y, work, begin)
@@ -322,13 +323,12 @@ def _alike(modes, i):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _weigh_long(step, tau, weight, decay, rows):  # type: ignore[no-untyped-def]
-    """Add the displacements by one mode at all nodes to `rows`, for a step long against its time
-    tau.
+    """Add the displacements by one mode to `rows` for a step much longer than its time tau.
 
-    step, tau: s. weight: share of the mode in the bead's velocity. decay: (NODES,) filled with the
-    displacement at each node per initial velocity of the mode, s. rows: (NODES NODES,) s,
-    displacement at node j per coefficient U_m, at NODES m + j. Same recursion as `modes.relaxed`
-    for long times, computed for all nodes at the same time.
+    It uses the recursion of `modes.relaxed` for long times, for all nodes simultaneously. `step`
+    and `tau` are in s, and `weight` is the share of the mode in the bead's velocity. `decay`
+    (NODES,) is filled with the displacement at each node per initial velocity of the mode, s.
+    Entry NODES m + j of `rows` is the displacement at node j per coefficient U_m of u, s.
     """
     for j in range(NODES):
         decay[j] = followed(PLACES[j] * step, tau)
@@ -401,7 +401,8 @@ def _by_M(work, values, out):  # type: ignore[no-untyped-def]
 def _by_gradient(gradient, values, out):  # type: ignore[no-untyped-def]
     """Fill `out` with J values: changes of u at the nodes (m/s) by displacements there (m).
 
-    gradient: (9 NODES,) J, 1/s; it couples the axes but not the nodes. values, out: (3 NODES,).
+    J is `gradient` (9 NODES,), 1/s; it couples the axes but not the nodes. `values` and `out` are
+    (3 NODES,).
     """
     for i in range(3):
         row = lanes(gradient, _ALL * i) * lanes(values, 0)
@@ -449,9 +450,9 @@ def _foretell(how, step, work):  # type: ignore[no-untyped-def]
 def _stay(how):  # type: ignore[no-untyped-def]
     """Replace the predicted u by a constant: the value that it has at the beginning of the step.
 
-    Used for a second attempt where extrapolation led Newton's method astray. The beginning of the
-    step is at the end (+1) or the beginning (-1) of the last polynomial, where Legendre's are 1 or
-    (-1)^k.
+    This is the second attempt after extrapolation has led Newton's method astray. The step begins
+    at the end (+1) or the beginning (-1) of the last polynomial, where the Legendre polynomials are
+    1 or (-1)^k.
     """
     for i in range(3):
         value, sign = 0.0, 1.0
@@ -464,11 +465,10 @@ def _stay(how):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _remember(how, step, origin, work):  # type: ignore[no-untyped-def]
-    """Store the polynomial of u in a step, of length `step`, s, as the prediction for the next
-    step.
+    """Store the polynomial of u in a step of length `step` (s) to predict the next step.
 
-    origin: where the next step begins, 1 at the end of this one, 0 at its beginning (after a
-    rejection).
+    `origin` is where the next step begins: 1 for the end of this step, 0 for its start after a
+    rejection.
     """
     for at in range(_ALL):
         how.foretold[at] = work.coefficients[at]
@@ -479,8 +479,8 @@ def _remember(how, step, origin, work):  # type: ignore[no-untyped-def]
 def _act(how, force, wrench, time, step, work):  # type: ignore[no-untyped-def]
     """Evaluate the force at the positions of all nodes; fill u and, if needed, the moments and J.
 
-    force: compiled force. wrench: workspace, with gradients if J is wanted. time, step: beginning
-    and length of the step, s. J = response times force gradient, 1/s.
+    `force` is compiled. `wrench` is its workspace, with gradients if J, the mobility times the
+    force gradient (1/s), is needed. `time` and `step` are the beginning and length of the step (s).
     """
     place, position, u = work.place, work.pose.position, work.u
     store(work.pose.time, 0, lanes(PLACES, 0) * step + spread(time))
@@ -595,7 +595,7 @@ def _eliminate(work):  # type: ignore[no-untyped-def]
 def _by_factors(work):  # type: ignore[no-untyped-def]
     """Solve (1 - M J) correction = residual with the factors of `_eliminate`.
 
-    The factors are of the transposed matrix, so substitution begins with the columns of `upper`.
+    These are factors of the transposed matrix, so substitution begins with the columns of `upper`.
     """
     d, left = work.correction, work.change
     for at in range(_ALL):
@@ -613,9 +613,9 @@ def _by_factors(work):  # type: ignore[no-untyped-def]
 def _correct(work, close):  # type: ignore[no-untyped-def]
     """Solve (1 - M J) d = residual for `work.correction`; return whether elimination was used.
 
-    d: change of the positions at the nodes, m. M: from u to displacements; J: gradient of u. The
-    fixed-point iteration d = residual + M J d is tried first, and ends when d changes by less than
-    `close`, m. Elimination replaces it where it converges slowly.
+    d is the change of the positions at the nodes (m), M maps u to displacements, and J is the
+    gradient of u. The iteration d = residual + M J d is tried first, and ends when d changes by
+    less than `close` (m). Elimination replaces it where it converges slowly.
     """
     d, change, residual = work.correction, work.change, work.residual
     before = np.inf
@@ -692,14 +692,13 @@ def _allowed(how, control, work):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _collocate(system, how, control, time, step, adaptive, work, counts):  # type: ignore[no-untyped-def]
-    """Solve u = u(X) at the nodes by Newton's method; return the error of the step over what is
-    allowed.
+    """Solve u = u(X) at the nodes by Newton's method; return the error over the allowed error.
 
-    A negative result reports that Newton's method failed: its modulus is the factor by which to
-    shorten the step. time, step: beginning and length of the step, s. adaptive: whether steps are
-    chosen by the tolerances; then a step is given up as soon as its error is seen to be too large.
-    counts: see `explicit.loop`. On entry `work` has M, base and the prediction; on return u and the
-    positions.
+    A negative result reports that Newton's method failed; its modulus is the factor by which to
+    shorten the step. `time` and `step` are the beginning and length of the step (s). If `adaptive`,
+    the tolerances choose the steps, and a step is given up as soon as its error is too large.
+    `counts[2]`, the number of force evaluations, is increased. On entry `work` contains M, base and
+    the prediction; on return u and the positions.
     """
     solved = _SOLVED if adaptive else _SOLVED_WELL
     eliminated, size, error, allowed = False, 0.0, 0.0, 0.0
@@ -734,7 +733,7 @@ def _collocate(system, how, control, time, step, adaptive, work, counts):  # typ
         if correction == 0:
             if how.turn != 0:
                 _correct_moments(work)
-            # what the force that is not linear leaves, as the last step that took two showed it
+            # error by the curvature of the force, estimated from the last step with two corrections
             left = _CAUTION * how.carried[2] * size * size
             if adaptive and 0.0 < left < allowed:
                 return error
@@ -765,8 +764,7 @@ def _correct_moments(work):  # type: ignore[no-untyped-def]
 def _powers(coefficients, first, out):  # type: ignore[no-untyped-def]
     """Fill `out` (NODES,) with the U_m of a polynomial sum_m U_m (s/h)^m/m! on a step of length h.
 
-    coefficients: array of Legendre coefficients, of which this polynomial's begin at the index
-    `first`.
+    The Legendre coefficients of this polynomial begin at the index `first` of `coefficients`.
     """
     for m in range(NODES):
         out[m] = 0.0
@@ -776,12 +774,11 @@ def _powers(coefficients, first, out):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _to(modes, s, step, y, powers, chi, out):  # type: ignore[no-untyped-def]
-    """Fill `out` with the position and mode velocities at a time s (s) after the beginning of a
-    step.
+    """Fill `out` with the position and mode velocities at a time s (s) after a step began.
 
-    step: length of the step, s. y: state at its beginning. powers: (6, NODES) the U_m of the slow
-    velocity. chi: (NODES + 1,) workspace. out: (state,); the Euler parameters are not computed
-    here.
+    `step` is its length (s), `y` the state when it began, `powers` (6, NODES) the coefficients U_m
+    of the slow velocity, and `chi` (NODES + 1,) workspace. The Euler parameters in `out` (state,)
+    are not computed here.
     """
     axes, many = modes.times.shape
     for i in range(3):
@@ -835,7 +832,7 @@ def _advance(  # type: ignore[no-untyped-def]
             error = _collocate(system, how, control, time, step, adaptive, work, counts)
             if again:
                 break
-            if error < 0.0:  # once more from a u that stays as it is
+            if error < 0.0:  # second attempt, from a constant u
                 _stay(how)
                 again = True
         if error >= 0.0:
@@ -854,7 +851,7 @@ def _advance(  # type: ignore[no-untyped-def]
         if error < 0.0 or (adaptive and not error <= 1.0):
             counts[1] += 1
             factor = -error if error < 0.0 else _SAFETY * error ** (-1.0 / _ORDER)
-            if all_finite(work.u):  # its own polynomial foretells the shorter one
+            if all_finite(work.u):  # its own polynomial predicts the shorter step
                 _remember(how, step, 0.0, work)
             clock[1] = step * max(factor, _SHRINK)
             if error < 0.0 and not all_finite(work.u) and not step > 1e-12 * control.end:
@@ -877,7 +874,7 @@ def _advance(  # type: ignore[no-untyped-def]
         clock[0] = control.end if last else time + step
         _remember(how, step, 1.0, work)
         if adaptive:
-            # the step of just that error and, by Gustafsson's foresight, its trend
+            # the step with this error and, by Gustafsson's predictive control, its trend
             best = step * _SAFETY * max(error, 1e-12) ** (-1.0 / _ORDER)
             trend = min(best / how.carried[1], 1.0) if how.carried[1] > 0.0 else 1.0
             how.carried[1] = best
@@ -888,11 +885,11 @@ def _advance(  # type: ignore[no-untyped-def]
 
 @functools.cache
 def loop() -> Any:
-    """Return the compiled loop; its arguments and result are those of `explicit.loop`.
+    """Return the compiled loop, with the arguments and result of `explicit.loop`.
 
-    Instead of a tableau it takes a `Relaxation`. y: position, velocities of the modes by axis, and
-    the Euler parameters if the bead rotates; the angular velocities are in the inertial frame. The
-    dense output of a step, `Records.shape`, contains the coefficients U_m.
+    A `Relaxation` replaces the tableau. The state y contains the position, the velocities of the
+    modes by axis and, for a rotation, the Euler parameters; angular velocities are in the inertial
+    frame. The dense output of a step, `Records.shape`, contains the coefficients U_m.
     """
 
     def advance(  # type: ignore[no-untyped-def]
@@ -911,8 +908,7 @@ def loop() -> Any:
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def _spin(how, work):  # type: ignore[no-untyped-def]
-    """Fill `work.powers[3:]` with the U_m of the slow angular velocity, from the moments at the
-    nodes.
+    """Fill `work.powers[3:]` with the U_m of the slow angular velocity by the moments at the nodes.
 
     The moments in `work.moment` are overwritten by moment times mobility, rad/s.
     """
@@ -942,9 +938,9 @@ def _turning_error(control, step, work):  # type: ignore[no-untyped-def]
 def sample(times, begin, length, state, shape, modes, allowed, out):  # type: ignore[no-untyped-def]
     """Fill `out` (n, state) with the states at ascending `times` (n,), s, from recorded steps.
 
-    begin, length, state, shape: the fields of `Records`. modes: relaxation times and weights, whose
-    times are overwritten where the drag depends on the position. allowed: tolerance of the
-    orientation, rad.
+    `begin`, `length`, `state` and `shape` are the fields of `Records`. `modes` are the relaxation
+    times and weights; the times are overwritten where the drag depends on the position. `allowed`
+    is the tolerance of the orientation, rad.
     """
     chi, end = np.empty(NODES + 1), np.empty(4)
     step, parts = 0, 0
@@ -1061,12 +1057,12 @@ def _in_inertial_frame(state: Array, modes: Modes, emitted: Layout) -> Array:
 def _emitted(y: Array, weights: Array, carried: Layout, emitted: Layout) -> Array:
     """Return states (n, state) in the form of the emitted equations, from those of the loop.
 
-    The inverse of `_in_inertial_frame`. weights: (axes, modes), which sum the modes to the
-    velocity. carried: the layout of the states of the loop.
+    This is the inverse of `_in_inertial_frame`. `weights` (axes, modes) sum the modes to the
+    velocity. `carried` is the layout of the states of the loop.
     """
     rotates = "orientation" in emitted
     if weights.shape[1] == 1 and not rotates:
-        return y[:, : emitted.width]  # as it is, or without the velocities of a model without them
+        return y[:, : emitted.width]  # unchanged, or without the velocities if the model has none
     rates = (y[:, carried.at("modes")].reshape(-1, *weights.shape) * weights).sum(axis=2)
     states = np.empty((len(y), emitted.width))
     parts = {"position": y[:, POSITION], "velocity": rates[:, TRANSLATION]}

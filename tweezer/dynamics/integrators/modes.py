@@ -1,8 +1,9 @@
-"""Velocities that relax to the force's: their motion along a polynomial, exactly.
+"""Exact motion of velocity modes, which relax to a slow velocity that is a polynomial of time.
 
-A bead whose velocity is a sum of modes, v = sum a_i v_i with v_i' = (u - v_i)/tau_i and the a_i
-adding up to 1, follows u = F/beta with a memory. One mode is the linear drag, tau = m/beta; a mode
-of tau = 0 has no inertia. In a step from s = 0 to h let u = sum_m U_m (s/h)^m/m!. Then
+The velocity of the bead is a sum of modes, v = sum a_i v_i with sum a_i = 1. Each mode relaxes by
+v_i' = (u - v_i)/tau_i to u = F/beta, so the bead follows u with a memory. One mode with tau =
+m/beta is the linear drag; a mode of tau = 0 has no inertia. In a step from s = 0 to h let u = sum_m
+U_m (s/h)^m/m!. Then
 
     v_i(s) = (1 - chi_0) v_i + sum_m U_m (s/h)^m chi_m,
     x(s) - x = sum_i a_i [tau_i chi_0 v_i + s sum_m U_m (s/h)^m chi_(m+1)],    chi = chi(-s/tau_i),
@@ -76,7 +77,7 @@ def relaxed(s, tau, chi):  # type: ignore[no-untyped-def]
         for m in range(NODES):
             chi[m + 1] = INVERSE[m + 1] + chi[m] * per
         return
-    # this branch is also taken for tau = 0 at s = 0, where the functions are those of z = 0
+    # this branch also covers tau = 0 at s = 0, where the functions have their values at z = 0
     z = -s / tau if tau > 0.0 else 0.0
     value = 0.0
     for n in range(_TERMS - 1, -1, -1):
@@ -90,14 +91,13 @@ def relaxed(s, tau, chi):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def displacement(s, part, tau, weight, v, powers, chi):  # type: ignore[no-untyped-def]
-    """Return the displacement of the bead by one velocity mode since the beginning of the step, m
-    or rad.
+    """Return the displacement of the bead by one velocity mode since a step began, m or rad.
 
-    The mode v' = (u - v)/tau follows the slow velocity u (force over drag), in a step of length h
-    the polynomial u = sum_m U_m (s/h)^m/m!. s: time since the beginning, s. part: s/h. tau:
-    relaxation time of the mode, s. weight: its share of the bead's velocity. v: its velocity at the
-    beginning, m/s or rad/s. powers: (NODES,) the U_m. chi: (NODES + 1,) from `relaxed(s, tau,
-    chi)`.
+    The mode v' = (u - v)/tau follows the slow velocity u (force over drag), which in a step of
+    length h is u = sum_m U_m (s/h)^m/m!. Here `s` is the time since the beginning (s), and `part`
+    is s/h. `tau` is the relaxation time of the mode (s), `weight` its share of the bead's velocity,
+    and `v` its velocity at the beginning (m/s or rad/s). `powers` (NODES,) are the U_m, and `chi`
+    (NODES + 1,) is filled by `relaxed(s, tau, chi)`.
     """
     total, power = 0.0, 1.0
     for m in range(NODES):
@@ -111,8 +111,8 @@ def velocity(part, v, powers, chi):  # type: ignore[no-untyped-def]
     """Return the velocity of one mode within a step, m/s or rad/s, without its weight.
 
     The mode v' = (u - v)/tau follows the slow velocity u = sum_m U_m (s/h)^m/m! in a step of length
-    h. part: s/h, for the time s since the beginning. v: velocity at the beginning. powers: (NODES,)
-    the U_m. chi: (NODES + 1,) from `relaxed(s, tau, chi)`.
+    h. `part` is s/h at the time s since the beginning, when the velocity was `v`. `powers` (NODES,)
+    are the U_m, and `chi` (NODES + 1,) is filled by `relaxed(s, tau, chi)`.
     """
     total, power = 0.0, 1.0
     for m in range(NODES):
