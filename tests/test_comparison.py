@@ -435,7 +435,7 @@ def test_a_calibration_is_compared_with_the_trap_of_a_scene(command_line, off, a
         assert (found.agrees, found.kind) == (agrees, "trap and calibration")
     done = command_line("compare", "trap.json", "k.json")
     assert done.code == (0 if agrees else 1)
-    assert "pN/um, p = " in done.out
+    assert "pN/µm, p = " in done.out
 
 
 def wall(position: float, uncertainty: float = 2e-8) -> tweezer.Surface:

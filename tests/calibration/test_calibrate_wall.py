@@ -204,15 +204,15 @@ def test_command_beside_a_wall(command_line):
     outcome = command_line(*asked, "--wall", "1 um", "--out", "k.json", "--plot", "k.png")
     assert (outcome.code, outcome.err) == (0, "")
     for way, mobility in zip(("along", "across"), MOBILITY[1.0], strict=True):
-        drag = f"drag {1e9 * FAR / mobility:.4g} nN s/m, {1 / mobility:.4g} times that far away"
-        assert f"1 um from the wall, {way} it: {drag}" in outcome.out
+        drag = f"drag {1e9 * FAR / mobility:.4g} nN·s/m, {1 / mobility:.4g} times that far away"
+        assert f"1 µm from the wall, {way} it: {drag}" in outcome.out
     written = json.loads(Path("k.json").read_text())
     assert written["wall"] == pytest.approx({"distance": 1e-6, "uncertainty": 0, "radius": 5e-7})
     for axis, mobility in zip(written["axes"], MOBILITY[1.0], strict=True):
         assert axis["drag"] == pytest.approx(FAR / mobility)
     outcome = command_line(*asked, "--wall", "1 um +- 50 nm")
     assert (outcome.code, outcome.err) == (0, "")
-    assert "along it: drag 13.06 +- 0.25 nN s/m" in outcome.out
+    assert "along it: drag 13.06 ± 0.25 nN·s/m" in outcome.out
     outcome = command_line("calibrate", "mine.csv", *SAID, "--wall", "1 um")
     assert (outcome.code, outcome.err) == (
         2, "mine.csv: --wall needs --radius and --viscosity\n"
@@ -413,8 +413,8 @@ def test_command_that_finds_the_wall(command_line):
     assert (outcome.code, outcome.err) == (0, "")
     surface = json.loads(Path("k.json").read_text())["surface"]
     assert abs(surface["position"] - WALL) < 4 * surface["uncertainty"]
-    place = with_uncertainty(1e6 * surface["position"], 1e6 * surface["uncertainty"])
-    assert f"the bead's centre would be in the wall with the focus at {place} um" in outcome.out
+    place = with_uncertainty(1e6 * surface["position"], 1e6 * surface["uncertainty"], "±")
+    assert f"the bead's centre would be in the wall with the focus at {place} µm" in outcome.out
     outcome = command_line(*asked, "--focal-shift", "fit")
     assert (outcome.code, outcome.err) == (0, "")
     assert "; it moves by 0." in outcome.out

@@ -535,7 +535,7 @@ def test_command_with_a_drive_in_volts(command_line):
     )
     assert (outcome.code, outcome.err) == (0, "")
     assert "stage 37 Hz, 1000 nm: " in outcome.out
-    assert " um/V; " in outcome.out
+    assert " µm/V; " in outcome.out
     written = json.loads(Path("k.json").read_text())
     (axis, other) = written["axes"]
     assert written["unit"] == "V"

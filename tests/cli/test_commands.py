@@ -26,6 +26,7 @@ from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.optics import force_map
 from tweezer.optics.rays import tabulate
 from tweezer.runs import simulation
+from tweezer.values.signs import typeset
 
 HEAVY = ["h5netcdf", "matplotlib", "numba", "numpy", "pint", "pydantic", "scipy", "xarray"]
 #: the bead of the thesis for a short time
@@ -165,7 +166,7 @@ def test_scenes_lists_all(command_line):
 
 
 def test_run_writes_a_trajectory_and_a_figure_and_prints_a_table(command_line):
-    outcome = command_line("run", *SHORT, *DRAWN)
+    outcome = command_line("run", *SHORT, *DRAWN, "--details")
     assert (outcome.code, outcome.err) == (0, "")
     assert sorted(path.name for path in Path().iterdir()) == [
         "thesis-990nm.nc", "thesis-990nm.png",
@@ -176,9 +177,9 @@ def test_run_writes_a_trajectory_and_a_figure_and_prints_a_table(command_line):
     assert Path("thesis-990nm.png").read_bytes().startswith(b"\x89PNG")
     x, y, z = np.round(1e6 * run["position"].values[-1], 4) + 0.0
     for row, value in {
-        "outcome": "not captured, 0.2 ms; no stable equilibrium",
-        r"end \(x, y, z\)": f"{x:.4f}, {y:.4f}, {z:.4f} um from the focus",
-        "overshoot past the axis": "0 um",
+        "outcome": "not captured, 0.2 ms",
+        r"end \(x, y, z\)": f"{x:.4f}, {y:.4f}, {z:.4f} µm from the focus",
+        "overshoot past the axis": "0 µm",
         "first closest approach": "none",
         "model, method": "scaled, a2 = 0.0012; dormand-prince",
         "steps": f"{run.attrs['steps']}",
@@ -697,7 +698,8 @@ def test_arguments_are_refused_before_the_light_is_bound(
 
 def test_trap_prints_what_characterise_tells(command_line):
     changes = "beam.power_through_pupil=80 mW", "optics.theory=rays"
-    outcome = command_line("trap", "silica-1um", "--set", changes[0], "--set", changes[1])
+    settings = "--set", changes[0], "--set", changes[1]
+    outcome = command_line("trap", "silica-1um", *settings, "--details")
     assert outcome.code == 0
     scene = tweezer.load_scene("silica-1um").replace(
         beam={"power_through_pupil": 80e-3}, optics={"theory": "rays"}
@@ -709,16 +711,17 @@ def test_trap_prints_what_characterise_tells(command_line):
     (unstable,) = [place for place in trap.equilibria if not place.stable]
     for row, value in {
         "power through the pupil": "80 mW, 86.47 % of the beam",
-        "backward Q, largest": f"{backward.Q:.4g}, at {1e6 * backward.at:.4g} um",
-        "lateral Q, largest": f"{lateral.Q:.4g}, at {1e6 * lateral.at:.4g} um",
-        "stable equilibrium": f"z = {1e6 * trap.equilibrium.position[2]:.4g} um, on the axis",
-        r"stiffness \(x, y, z\)": f"{kx:.4g}, {ky:.4g}, {kz:.4g} pN/um",
+        "backward Q, largest": f"{backward.Q:.4g}, at {1e6 * backward.at:.4g} µm",
+        "lateral Q, largest": f"{lateral.Q:.4g}, at {1e6 * lateral.at:.4g} µm",
+        "stable equilibrium": f"z = {1e6 * trap.equilibrium.position[2]:.4g} µm, on the axis",
+        r"stiffness \(x, y, z\)": f"{kx:.4g}, {ky:.4g}, {kz:.4g} pN/µm",
         "corner frequencies": f"{fx:.4g}, {fy:.4g}, {fz:.4g} Hz",
         "held for": "practically for ever (longer than 1e+20 s)",
-        "unstable equilibria": f"z = {1e6 * unstable.position[2]:.4g} um",
+        "unstable equilibria": f"z = {1e6 * unstable.position[2]:.4g} µm",
         "error of the force": f"{1e12 * trap.force_error:.1g} pN",
         "force by": "quadrature",
-        "light": "rays (optics.theory = 'rays')",
+        "light": "rays",
+        "  because": "optics.theory = 'rays'",
     }.items():
         assert re.search(rf"^ +{row} +{re.escape(value)} *$", outcome.out, re.MULTILINE), row
     worth = trap.ray_optics
@@ -734,7 +737,7 @@ def test_trap_prints_what_characterise_tells(command_line):
     across, along = worth.stiffness_across, worth.stiffness_along
     times = "{:.2g} to {:.2g} times that, z {:.2g} to {:.2g} times".format(*across, *along)
     assert re.search(rf"^ +by wave optics +{times} *$", outcome.out, re.MULTILINE)
-    assert (outcome.err, outcome.caveat) == ("", f"warning: {trap.caveat}\n")
+    assert (outcome.err, outcome.caveat) == ("", f"warning: {typeset(trap.caveat)}\n")
     assert not list(Path().iterdir())
 
 
@@ -782,7 +785,7 @@ def test_trap_tells_off_diagonal_stiffness(command_line):
         beam={"polarisation": "linear", "jones": ["1", "1"]}
     )
     kxy = 1e6 * tweezer.characterise(scene).equilibrium.stiffness[0][1]
-    assert f"stiffness, xy             {kxy:.4g} pN/um" in outcome.out
+    assert f"stiffness, xy             {kxy:.4g} pN/µm" in outcome.out
 
 
 def test_trap_that_holds_nothing(command_line):
@@ -790,7 +793,7 @@ def test_trap_that_holds_nothing(command_line):
         "trap", "silica-1um", "--set", "forces.optical=false", "--out", "dark.json"
     )
     assert (outcome.code, outcome.err) == (0, "")
-    none = r"^ +equilibrium +no stable equilibrium on the axis within 10 um of +$"
+    none = r"^ +equilibrium +no stable equilibrium on the axis within 10 µm of +$"
     assert re.search(none, outcome.out, re.MULTILINE)
     assert "escape" not in outcome.out
     written = json.loads(Path("dark.json").read_text(encoding="utf-8"))["trap"]
@@ -831,9 +834,10 @@ SMALL_MAP = ["--set", "optics.table_range=0.5", "--set", "optics.table_tolerance
 
 def test_map_makes_a_map_or_finds_it(command_line, cache_folder):
     """Of a scene that names another evaluator, too."""
-    first = command_line("map", "thesis-990nm", *SMALL_MAP)
+    first = command_line("map", "thesis-990nm", *SMALL_MAP, "--details")
     assert (first.code, first.err) == (0, "")
-    assert command_line("map", "thesis-990nm", *SMALL_MAP).out == first.out
+    again = command_line("map", "thesis-990nm", *SMALL_MAP, "--details")
+    assert again.out == first.out
     scene = tweezer.load_scene("thesis-990nm").replace(
         optics={"evaluator": "map", "table_range": 0.5, "table_tolerance": 1e-4}
     )
@@ -842,7 +846,7 @@ def test_map_makes_a_map_or_finds_it(command_line, cache_folder):
     for row, value in {
         "largest force": f"{1e12 * made.largest_force:.4g} pN",
         "certified error": f"{1e12 * error:.2g} pN, {error / made.largest_force:.2g} of the ",
-        "range": "0.2475 um from the focus",
+        "range": "0.2475 µm from the focus",
         "pieces": f"{made.pieces}",
         "size of the file": f"{made.path.stat().st_size / 1e6:.2g} MB",
         "time to make": f"{made.build_time:.2g} s",

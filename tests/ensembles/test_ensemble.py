@@ -1056,7 +1056,7 @@ def test_command_of_statistics(command_line):
     found = xr.load_dataset("silica-1um-statistics.nc")
     variance, error = (float(found[f"stationary_variance{of}"][2]) for of in ("", "_error"))
     deviation = 1e9 * variance**0.5
-    assert with_uncertainty(deviation, deviation * error / variance / 2) in outcome.out
+    assert with_uncertainty(deviation, deviation * error / variance / 2, "±") in outcome.out
     assert f"{int(found['windows'])} of" in outcome.out
     again = command_line(*arguments)
     assert (again.code, len(again.err.splitlines())) == (2, 1)

@@ -57,7 +57,7 @@ def test_a_page_has_every_number_and_why_it_is_not_to_be_trusted(drifting, tmp_p
                 1e6 * each.stiffness, 1e6 * each.uncertainty, "±"
             )
             assert digits in text
-    for said in ("3,000 samples", "0.5 ms", "drag 9.4 nN s/m", "293.15 K"):
+    for said in ("3,000 samples", "0.5 ms", "drag 9.4 nN·s/m", "293.15 K"):
         assert said in text
     source = path.read_text(encoding="utf-8")
     assert "http" not in source
@@ -126,7 +126,7 @@ def test_a_page_has_what_was_fitted_of_the_detector_and_what_was_given(tmp_path)
     force = axis.force_sensitivity, axis.force_sensitivity_uncertainty
     assert number("", "pN/V") == (1e12 * force[0], 1e12 * force[1])
     assert noise.value == pytest.approx(20e-3, rel=0.2)
-    for said in ("radius of the bead 0.5 µm", "viscosity 0.9974 mPa s", "drag 9.4 nN s/m"):
+    for said in ("radius of the bead 0.5 µm", "viscosity 0.9974 mPa·s", "drag 9.4 nN·s/m"):
         assert said in text
 
 

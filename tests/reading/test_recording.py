@@ -117,8 +117,8 @@ def test_a_run_of_ours_brings_its_scene(tmp_path, run, positions):
     assert repr(calibration).startswith(f"Calibration of {path}\n  stiffness, x  ")
     for axis, k in zip(calibration.axes, (K, K, K / 3), strict=True):
         first = axis.estimates[0]
-        value = with_uncertainty(1e6 * first.stiffness, 1e6 * first.uncertainty)
-        assert f"  stiffness, {axis.axis}  {value} pN/um, by {first.method}" in repr(calibration)
+        value = with_uncertainty(1e6 * first.stiffness, 1e6 * first.uncertainty, "±")
+        assert f"  stiffness, {axis.axis}  {value} pN/µm, by {first.method}" in repr(calibration)
         for estimate in axis.estimates:
             assert not estimate.caveat
             assert abs(estimate.stiffness - k) < 4.5 * estimate.uncertainty  # false alarm 1e-4
@@ -360,7 +360,7 @@ def test_command(command_line, positions):
             assert estimate["findings"] == axis["findings"] == []
         fit = axis["fit"]
         corner = with_uncertainty(
-            fit["bead"]["stiffness"] / DRAG / 2 / math.pi, fit["corner_frequency_uncertainty"]
+            fit["bead"]["stiffness"] / DRAG / 2 / math.pi, fit["corner_frequency_uncertainty"], "±"
         )
         assert f"corner frequency {corner} Hz" in outcome.out
     assert Path("k.png").read_bytes().startswith(b"\x89PNG")
@@ -391,8 +391,10 @@ def test_command_on_a_free_bead_and_on_a_camera(command_line):
     assert rest == ["wrote k.json"]
     written = json.loads(Path("k.json").read_text())
     assert "free" in [finding["name"] for finding in written["axes"][0]["findings"]]
-    D = with_uncertainty(*(1e12 * written["free"][each] for each in ("diffusion", "uncertainty")))
-    said = f"x: no trap is detected; treated as a free bead: diffusion {D} um^2/s (95 %: "
+    D = with_uncertainty(
+        *(1e12 * written["free"][each] for each in ("diffusion", "uncertainty")), "±"
+    )  # fmt: skip
+    said = f"x: no trap is detected; treated as a free bead: diffusion {D} µm²/s (95 %: "
     assert first.startswith(said)
     assert "; drag " in first
     camera = trapped(STEP, 4000, K, DRAG, None, T, 9, exposure=STEP).T

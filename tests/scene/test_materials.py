@@ -112,7 +112,7 @@ def test_a_material_gives_index_and_density_at_the_wavelength():
     kept = green.model_dump(exclude_none=True)
     assert kept["bead"] == {"material": "silica", "radius": 5e-7}
     assert load_scene(kept) == green
-    assert "um of silica, index 1.4496, 2000 kg" in repr(scene)
+    assert "µm of silica, index 1.4496, 2000 kg" in repr(scene)
     assert "bead.density" not in repr(scene)
 
 

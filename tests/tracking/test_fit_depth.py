@@ -699,13 +699,13 @@ def test_command(command_line, tracks):
     )  # fmt: skip
     assert (outcome.code, outcome.err) == (0, "")
     written = json.loads(Path("d.json").read_text())
-    assert written["statement"] in outcome.out
+    assert written["statement"].replace("+-", "±").replace(" um", " µm") in outcome.out
     assert written["frames"] == len(rows)
     assert written["determined"]
     assert written["search"] == pytest.approx([-7e-6, -1e-6])
     (low, high), z = written["intervals"][0], written["z"]
     assert low < z < high
-    assert f"{1e6 * low:.4g} to {1e6 * high:.4g} um" in outcome.out
+    assert f"{1e6 * low:.4g} to {1e6 * high:.4g} µm" in outcome.out
     assert Path("d.png").read_bytes().startswith(b"\x89PNG")
     # of the profile, the interval is where it is below the level
     at, misfit = np.array(written["profile"]).T

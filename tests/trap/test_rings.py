@@ -61,7 +61,7 @@ def test_ring_is_reported():
         assert trap.ring.stiffness[:, i] == pytest.approx(-force[[0, 2]] / (2 * step), rel=1e-5)
     assert math.isinf(trap.lifetime.time)
     text = repr(trap)
-    assert "held on a ring           of radius 0.347 um about the axis, at z = 0.106 um" in text
+    assert "held on a ring           of radius 0.347 µm about the axis, at z = 0.106 µm" in text
     assert "turns/s" in text
     values = values_of(trap, trap.scene.medium.temperature)
     assert values["outcome"] == "held on a ring"

@@ -13,6 +13,7 @@ from tests import readable
 from tweezer.optics import light_force, sampled
 from tweezer.optics.waves.binding import sums
 from tweezer.plots import trap_figure
+from tweezer.values.signs import typeset
 
 AXES = {"x": 0, "y": 1, "z": 2}
 PUBLISHED = Path(__file__).parents[1] / "data" / "ashkin1992.csv"
@@ -86,7 +87,7 @@ def test_nothing_pulls_at_an_equilibrium_and_the_stable_one_is_nearest(trapped):
         # where the sum over the grid jumps past zero, no force vanishes
         assert np.abs(force).max() < (1e-2 if trap.evaluator == "grid" else 1e-11) * largest
         assert place.residual == pytest.approx(np.linalg.norm(force), abs=1e-12 * largest)
-    assert f" z = {1e6 * trap.equilibrium.position[2]:.4g} um, " in repr(trap)
+    assert f" z = {1e6 * trap.equilibrium.position[2]:.4g} µm, " in repr(trap)
     assert len(repr(trap)) < 600
     stable = [abs(place.position[2]) for place in trap.equilibria if place.stable]
     assert abs(trap.equilibrium.position[2]) == min(stable)
@@ -537,7 +538,7 @@ def test_figure_shows_the_bead_where_it_is_trapped():
     curve = axial.lines[2].get_xydata()
     expected = tweezer.optical_force(scene, [0, 0, curve[100, 0] * 1e-6])[2] + weight(scene)
     assert curve[100, 1] == pytest.approx(expected * 1e12, rel=1e-9)
-    assert trap.caveat[1:] in figure.texts[-1].get_text().replace("\n", " ")
+    assert typeset(trap.caveat)[1:] in figure.texts[-1].get_text().replace("\n", " ")
     readable.check(figure)
 
 

@@ -11,7 +11,7 @@ import pytest
 from tweezer.sweeps.quantities import values_of
 from tweezer.values.constants import Boltzmann
 from tweezer.values.measured import Measured, Quantity, Result
-from tweezer.values.prefixes import factor, in_tables, typeset
+from tweezer.values.prefixes import factor, in_tables
 from tweezer.values.shown import Card
 
 STIFFNESS = Quantity("stiffness", "N/m", "stiffness at the equilibrium", "axis")
@@ -41,7 +41,7 @@ def test_a_result_is_shown_by_its_list():
     assert depth.caveat == "ray optics is off"
     assert count.value == "3"
     assert "stiffness at the equilibrium" in repr(Dummy())
-    assert "pN/um" in Dummy()._repr_html_()
+    assert "pN/µm" in Dummy()._repr_html_()
 
 
 def test_a_sweep_reads_the_list_with_energies_in_kT():
@@ -69,7 +69,5 @@ def test_units_of_tables_have_the_factors_of_their_names():
     assert in_tables("m^2/s") == (1e12, "um^2/s")
     assert in_tables("1") == (1.0, "")
     assert in_tables("kg/m^3") == (1.0, "kg/m^3")
-    assert typeset("um^2/s") == "µm²/s"
-    assert typeset("m/s^2") == "m/s^2"
     with pytest.raises(ValueError, match="furlong"):
         factor("furlong")

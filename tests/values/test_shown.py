@@ -31,14 +31,14 @@ CARD = Card(
 def test_text_is_short_and_html_is_whole_and_escaped():
     assert as_text(CARD).splitlines() == [
         'Trap of a<b>&"c"',
-        "  stiffness  5.0 +- 0.1 pN/um, not to be trusted: <noise>",
-        "  drag       9 nN s/m",
+        "  stiffness  5.0 ± 0.1 pN/µm, not to be trusted: <noise>",
+        "  drag       9 nN·s/m",
         "  a note & more",
     ]
     html = as_html(CARD)
     assert cells(html) == [
-        ["stiffness", "5.0 +- 0.1 pN/um", "not to be trusted: <noise>"],
-        ["drag", "9 nN s/m", ""],
+        ["stiffness", "5.0 ± 0.1 pN/µm", "not to be trusted: <noise>"],
+        ["drag", "9 nN·s/m", ""],
         ["inner", "detail", ""],
         ["escape", "force, pN"],
         ["+x", "3 < 4"],
@@ -85,8 +85,8 @@ def test_every_result_is_shown(tmp_path):
         for name, *values in told:  # every line of the text is in the table
             assert name
             assert any(values)
-    assert "1.000 +- 0.008 h" in repr(results[8])
-    assert "4.000 +- 0.010 mW" in repr(results[9])
+    assert "1.000 ± 0.008 h" in repr(results[8])
+    assert "4.000 ± 0.010 mW" in repr(results[9])
 
 
 @pytest.mark.parametrize("kind", ["Trap", "Summary", "SceneFit", "DepthFit", "Tuning", "Surface"])

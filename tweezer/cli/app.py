@@ -10,7 +10,14 @@ import typer
 import typer.core
 
 from tweezer.cli.completion import complete_scene, complete_setting
-from tweezer.cli.console import importing, show_warning, showing_progress, telling_interrupt
+from tweezer.cli.console import (
+    MORE,
+    detailed,
+    importing,
+    show_warning,
+    showing_progress,
+    telling_interrupt,
+)
 from tweezer.scene.choices import EVALUATORS
 from tweezer.values.errors import PhysicsWarning, SceneError
 
@@ -111,6 +118,11 @@ JsonFile = Annotated[
     Path | None,
     typer.Option("--out", "--json", help='JSON file to write; "-" prints only this file.'),
 ]
+Details = Annotated[
+    bool,
+    typer.Option("--details", help="Print also how the result was computed, and whole warnings."),
+]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace existing files of any kind.")]
 FigureFile = Annotated[
     Path | None,
@@ -163,15 +175,22 @@ def with_thermal_motion(scene: str | Scene, settings: dict[str, str]) -> Scene:
 def bind_light(scene: Scene) -> None:
     """Warn if ray optics is inaccurate for the scene, and compute the force maps that it needs."""
     with importing():
-        from tweezer.optics import light_force, ray_optics_caveat
+        from tweezer.optics import light_force
 
-    if caveat := ray_optics_caveat(scene):
-        show_warning(caveat)
+    warn_of_rays(scene)
     for alone in map(scene.with_one_beam, scene.beams):
         if alone.lit and scene.optics.evaluator == "map":
             map_of(alone)
     with warnings.catch_warnings(action="ignore", category=PhysicsWarning):  # shown above
         light_force(scene)
+
+
+def warn_of_rays(scene: Scene) -> None:
+    """Warn if ray optics is inaccurate for the scene, in one line without --details."""
+    from tweezer.optics import ray_optics_caveat, ray_optics_warning
+
+    if caveat := ray_optics_caveat(scene):
+        show_warning(caveat if detailed() else f"{ray_optics_warning(scene)} ({MORE})")
 
 
 def map_of(scene: Scene) -> Map:

@@ -13,9 +13,11 @@ import typer
 from tweezer.cli.app import (
     Bead,
     Columns,
+    Details,
     FigureFile,
     JsonFile,
     Overwrite,
+    Quiet,
     Rate,
     Scale,
     Skip,
@@ -25,6 +27,7 @@ from tweezer.cli.app import (
 from tweezer.cli.console import (
     FAILED,
     OUT,
+    begin,
     show_warning,
     tell_written,
     writable_figure,
@@ -161,6 +164,7 @@ def calibrate(
     blur: Exposure = None, diode: Diode = None, noise: Noise = None, leave_out: LeaveOut = None,
     drift: Drift = None, fit_range: FitRange = None, skip: Skip = "0", out: JsonFile = None,
     plot: FigureFile = None, report: Report = None, overwrite: Overwrite = False,
+    details: Details = False, quiet: Quiet = False,
 ) -> None:  # fmt: skip
     """Determine trap stiffness from a RECORDING.
 
@@ -168,6 +172,7 @@ def calibrate(
     the command determines the diffusion coefficient. Exit code: 0 if every axis of each RECORDING
     has a result without findings, 1 if an axis has none, 2 if the input is refused.
     """
+    begin(details=details, quiet=quiet)
     from tweezer.calibration.setup import Setup
     from tweezer.values import units
 

@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from tweezer.cli.app import app
-from tweezer.cli.console import FAILED
+from tweezer.cli.app import Quiet, app
+from tweezer.cli.console import FAILED, begin
 from tweezer.cli.tables import print_card
 
 Result = Annotated[
@@ -20,7 +20,7 @@ Result = Annotated[
 
 
 @app.command()
-def compare(first: Result, second: Result) -> None:
+def compare(first: Result, second: Result, quiet: Quiet = False) -> None:
     """Test whether two results agree.
 
     Both results must be of the same kind, or a trap and a calibration, whose stiffnesses are
@@ -29,6 +29,7 @@ def compare(first: Result, second: Result) -> None:
     chance. The table lists the keys of the scene, methods and versions that differ. Exit code: 0 if
     the results agree, 1 if they differ, 2 if they cannot be compared.
     """
+    begin(quiet=quiet)
     from tweezer.comparison import compare as compared
 
     found = compared(first, second)

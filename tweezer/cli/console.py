@@ -1,9 +1,15 @@
-"""Output of commands: terminal, warnings, progress, and checks of the files to be written."""
+"""Output of commands: terminal, warnings, progress, and checks of the files to be written.
+
+A command begins with `begin`, which takes its options --details and --quiet. What it prints as a
+result has the signs µ, ± and · if the terminal has them (`say`, `tweezer.cli.tables`).
+"""
 
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import gc
+import logging
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -16,16 +22,79 @@ from rich.console import Console
 from tweezer.values.errors import ResultError
 from tweezer.values.files import STANDARD_OUTPUT, check_regular
 from tweezer.values.saved import check_ending
+from tweezer.values.signs import for_stream
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from rich.live import Live
 
     from tweezer.compiled import Compilation
 
 
+@dataclasses.dataclass
+class _Asked:
+    """What the user asked for by --details, and the notice shown meanwhile."""
+
+    details: bool | None = None
+    """whether everything is printed; None for a command without the option"""
+    notice: Live | None = None
+    """notice that the command is loading, on a terminal"""
+
+
+_asked = _Asked()
+#: Longest warning that is printed whole without --details, in characters, and how others end
+_LONG, MORE = 100, "--details: more"
+
+
+class _Console(Console):
+    """A console that ends the notice before it prints."""
+
+    def print(self, *things: Any, **how: Any) -> None:
+        """Print things; see `rich.console.Console.print`."""
+        end_notice()
+        super().print(*things, **how)
+
+
+def begin(*, details: bool | None = None, quiet: bool = False) -> None:
+    """Begin the output of a command, with its options; show on a terminal that it is loading.
+
+    details: None for a command without the option --details.
+    """
+    _asked.details = details
+    OUT.quiet = ERR.quiet = quiet
+    logging.getLogger("tweezer").setLevel(logging.ERROR if quiet else logging.NOTSET)
+    if ERR.is_terminal and not quiet:
+        from rich.live import Live
+        from rich.spinner import Spinner
+
+        end_notice()
+        _asked.notice = Live(
+            Spinner("dots", "loading"), console=ERR, transient=True,
+            redirect_stdout=False, redirect_stderr=False,
+        )  # fmt: skip
+        _asked.notice.start(refresh=True)
+
+
+def end_notice() -> None:
+    """Remove the notice that a command is loading, if it is shown."""
+    notice, _asked.notice = _asked.notice, None
+    if notice:
+        notice.stop()
+
+
+def detailed() -> bool:
+    """Return whether details are printed: with --details, and by commands without that option."""
+    return _asked.details is not False
+
+
+def say(text: str) -> None:
+    """Print a line of a result with the signs that the terminal has."""
+    OUT.print(for_stream(text, OUT.file), highlight=False, soft_wrap=True)
+
+
 def _console(*, stderr: bool) -> Console:
     """Return a console without markup, because names may contain brackets or colons."""
-    console = Console(stderr=stderr, markup=False, emoji=False)
+    console = _Console(stderr=stderr, markup=False, emoji=False)
     if console.width < 1:  # COLUMNS=0
         console.width = 80
     return console
@@ -138,12 +207,14 @@ def importing() -> Iterator[None]:
 def telling_interrupt() -> Iterator[None]:
     """Return a context for a command, which turns an interrupt into a message on written files."""
     _awaited.clear()
-    OUT.quiet = False
+    _asked.details, OUT.quiet, ERR.quiet = None, False, False
     try:
         yield
     except KeyboardInterrupt:
         tell_interrupted()
         raise typer.Exit(INTERRUPTED) from None
+    finally:
+        end_notice()
 
 
 def tell_interrupted() -> None:
@@ -160,24 +231,31 @@ def tell_interrupted() -> None:
 
 @contextlib.contextmanager
 def showing_progress(
-    description: str, total: float, afterwards: str = ""
+    description: str, total: float = 1.0, afterwards: str = ""
 ) -> Iterator[Callable[[float], None]]:
     """Return a context with a progress bar and notices of compilation; it yields a callback.
 
-    The callback is given the progress reached, from 0 to `total`. `afterwards` names the work that
-    remains when `total` is reached.
+    The callback is given the progress reached, from 0 to `total`. Before it is called, the bar
+    moves without a percentage. `afterwards` names the work that remains when `total` is reached.
     """
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TaskProgressColumn,
+        TextColumn,
+        TimeRemainingColumn,
+    )
 
     columns = (
         TextColumn("{task.description}", markup=False),
         BarColumn(),
-        TextColumn("{task.percentage:>3.0f} %"),
+        TaskProgressColumn("{task.percentage:>3.0f} %"),
         TimeRemainingColumn(),
     )
-    disabled = not ERR.is_terminal
+    disabled = not ERR.is_terminal or ERR.quiet
+    end_notice()
     with Progress(*columns, console=ERR, transient=True, disable=disabled) as progress:
-        task = progress.add_task(description, total=total)
+        task = progress.add_task(description, total=None)
 
         from tweezer.compiled import compilation
 
@@ -193,7 +271,8 @@ def showing_progress(
             nonlocal doing
             if afterwards and reached >= total:
                 doing = f"{description}: {afterwards}"
-            progress.update(task, description=doing, completed=reached)
+            known = total if reached > 0 else None
+            progress.update(task, description=doing, completed=reached, total=known)
 
         with compilation(say):
             yield reach
@@ -208,6 +287,7 @@ def tell_written(*paths: Path | None) -> None:
 
 def write_result(result: Mapping[str, Any], path: Path) -> None:
     """Write a result as JSON with a digest."""
+    end_notice()
     from tweezer.results.io import write_result  # here, because it imports xarray
 
     write_result(result, path)
@@ -223,10 +303,21 @@ def write_figure(figure: Figure, path: Path) -> None:
 
 
 def complain(text: str) -> None:
-    """Print an error in red."""
+    """Print an error in red, with --quiet too."""
+    ERR.quiet = False
     ERR.print(text, style="red", highlight=False, soft_wrap=True)
 
 
 def show_warning(message: Warning | str, *_: object) -> None:
-    """Print a warning in yellow."""
-    ERR.print(f"warning: {message}", style="yellow", highlight=False, soft_wrap=True)
+    """Print a warning in yellow, in one line unless --details asks for all of it."""
+    text = str(message) if detailed() else _in_one_line(str(message))
+    told = for_stream(f"warning: {text}", ERR.file)
+    ERR.print(told, style="yellow", highlight=False, soft_wrap=True)
+
+
+def _in_one_line(text: str) -> str:
+    """Return as many clauses of a warning as fit in a line, and where the others are."""
+    first, *others = text.split("; ")
+    while others and len(first) + len(others[0]) < _LONG:
+        first += f"; {others.pop(0)}"
+    return f"{first} ({MORE})" if others else first

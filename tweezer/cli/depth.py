@@ -11,9 +11,11 @@ from tweezer.cli.app import (
     Bead,
     Changes,
     Columns,
+    Details,
     FigureFile,
     JsonFile,
     Overwrite,
+    Quiet,
     Rate,
     Scale,
     app,
@@ -24,6 +26,7 @@ from tweezer.cli.app import (
 from tweezer.cli.completion import complete_scene
 from tweezer.cli.console import (
     FAILED,
+    begin,
     showing_progress,
     tell_written,
     writable_figure,
@@ -75,7 +78,8 @@ def fit_depth(
     track: Frames, scene: SceneOfTrack, noise: Noise = None, exposure: Exposure = None,
     search: Search = None, fit: Fitted = None, columns: Columns = None, rate: Rate = None,
     scale: Scale = None, bead: Bead = None, set: Changes = None, out: JsonFile = None,
-    plot: FigureFile = None, overwrite: Overwrite = False,
+    plot: FigureFile = None, overwrite: Overwrite = False, details: Details = False,
+    quiet: Quiet = False,
 ) -> None:  # fmt: skip
     """Determine the release depth from a TRACK.
 
@@ -83,6 +87,7 @@ def fit_depth(
     light. Exit code: 0 if the depth is determined, 1 if it is not or if the track refutes the
     scene, 2 if the input is refused.
     """
+    begin(details=details, quiet=quiet)
     from tweezer.values.units import Length, PositiveLength, Time
 
     described = scene_with(scene, settings_of(set or []))
@@ -102,7 +107,7 @@ def fit_depth(
     loaded = load_track(track, columns=columns, rate=rate, scale=scale, bead=bead)
     if loaded.scene is not None and loaded.scene.bead != described.bead:
         raise ResultError(f"{track}: is a run of another bead than that of {described.name}")
-    with showing_progress(described.name, 1.0) as progress:
+    with showing_progress(described.name) as progress:
         found = fitted(
             loaded, described, noise=given, exposure=exposed, search=range_, fit=fit or (),
             progress=progress,

@@ -11,7 +11,9 @@ import typer
 
 from tweezer.cli.app import (
     Changes,
+    Details,
     OwnForces,
+    Quiet,
     Resume,
     SceneName,
     app,
@@ -22,20 +24,23 @@ from tweezer.cli.app import (
 )
 from tweezer.cli.console import (
     INTERRUPTED,
-    OUT,
     STORES,
+    begin,
     complain,
     showing_progress,
     tell_written,
     writable,
 )
-from tweezer.cli.tables import add_light, table_of
+from tweezer.cli.tables import print_shown
 from tweezer.values.errors import PhysicsWarning
 from tweezer.values.prefixes import per
 from tweezer.values.printed import printed
 from tweezer.values.rounding import with_uncertainty
+from tweezer.values.shown import Row
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     import xarray as xr
 
     from tweezer.scene import Scene
@@ -73,12 +78,15 @@ def ensemble(
     ] = None,
     force: OwnForces = None,
     set: Changes = None,
+    details: Details = False,
+    quiet: Quiet = False,
 ) -> None:
     """Simulate the bead in SCENE many times.
 
     Each trajectory has independent thermal motion, which the command adds to a scene without it.
     Continue an interrupted ensemble with --resume.
     """
+    begin(details=details, quiet=quiet)
     from tweezer.scene.arguments import check_ensemble
     from tweezer.values.units import Time
 
@@ -92,7 +100,7 @@ def ensemble(
     )  # fmt: skip
     bind_light(described)
     with (
-        showing_progress(described.name, 1.0) as progress,
+        showing_progress(described.name) as progress,
         warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # shown above
     ):
         from tweezer.ensembles import ensemble as computed
@@ -102,7 +110,7 @@ def ensemble(
             scheduler=scheduler, workers=workers, resume=resume, progress=progress,
             forces=force or [],
         )  # fmt: skip
-    _print_ensemble(described, result)
+    print_shown(described.name, _rows(described, result))
     if result.attrs["status"] == "interrupted":
         done = f"{result.attrs['trajectories_done']} of {trajectories} trajectories"
         complain(f"{described.name}: interrupted after {done}; go on with --resume")
@@ -110,31 +118,31 @@ def ensemble(
     tell_written(out)
 
 
-def _print_ensemble(scene: Scene, result: xr.Dataset) -> None:
-    """Print the number of lost beads, means and standard deviations, and the method."""
+def _rows(scene: Scene, result: xr.Dataset) -> Iterator[Row]:
+    """Yield the rows of an ensemble: losses, means, standard deviations and the computation."""
+    from tweezer.optics import rows_of_light
+
     attributes = result.attrs
-    table = table_of(scene.name, "")
     done = attributes["trajectories_done"]
-    table.add_row("trajectories", f"{done} of {attributes['trajectories']}")
+    yield Row("trajectories", f"{done} of {attributes['trajectories']}")
     lost = result["trajectories_lost"] if "trajectories_lost" in result else (
         (result["lost_time"] < math.inf).sum()
     )  # fmt: skip
-    table.add_row("lost", f"{int(lost)}")
+    yield Row("lost", f"{int(lost)}")
     if int(lost) and "loss_caveat" in attributes:
-        table.add_row("", attributes["loss_caveat"])
-    table.add_row("samples", f"{attributes['samples']} in {printed(attributes['duration'], 'ms')}")
+        yield Row("", attributes["loss_caveat"])
+    yield Row("samples", f"{attributes['samples']} in {printed(attributes['duration'], 'ms')}")
     if "stationary_mean" in result:
         mean, error = (per("um") * result[f"stationary_mean{of}"].values for of in ("", "_error"))
         row = map(with_uncertainty, mean, error)
-        table.add_row("mean (x, y, z)", ", ".join(row) + " um from the focus")
+        yield Row("mean (x, y, z)", ", ".join(row) + " um from the focus")
         variance, error = (result[f"stationary_variance{of}"].values for of in ("", "_error"))
         deviation = variance**0.5
         error = per("nm") * error / (2 * deviation)
         row = map(with_uncertainty, per("nm") * deviation, error)
-        table.add_row("standard deviation (x, y, z)", ", ".join(row) + " nm")
-        table.add_row("windows", f"{int(result['windows'])} of {attributes['samples_per_window']} "
-                      f"samples, {int(result['windows_lost'])} not used")  # fmt: skip
-    table.add_row("model, method", f"{attributes['model']}; {attributes['method']}")
-    add_light(table, scene)
-    table.add_row("step", f"{attributes['step']:.3g} s")
-    OUT.print(table)
+        yield Row("standard deviation (x, y, z)", ", ".join(row) + " nm")
+        windows = f"{int(result['windows'])} of {attributes['samples_per_window']} samples, "
+        yield Row("windows", f"{windows}{int(result['windows_lost'])} not used", detail=True)
+    yield Row("model, method", f"{attributes['model']}; {attributes['method']}")
+    yield from rows_of_light(scene)
+    yield Row("step", f"{attributes['step']:.3g} s", detail=True)

@@ -11,10 +11,12 @@ from tweezer.cli.app import (
     Bead,
     Changes,
     Columns,
+    Details,
     FigureFile,
     JsonFile,
     Overwrite,
     OwnForces,
+    Quiet,
     Rate,
     Scale,
     Skip,
@@ -26,6 +28,7 @@ from tweezer.cli.app import (
 from tweezer.cli.completion import complete_key, complete_scene
 from tweezer.cli.console import (
     FAILED,
+    begin,
     showing_progress,
     tell_written,
     writable_figure,
@@ -73,6 +76,8 @@ def fit(
     out: JsonFile = None,
     plot: FigureFile = None,
     overwrite: Overwrite = False,
+    details: Details = False,
+    quiet: Quiet = False,
 ) -> None:
     """Fit keys of SCENE to a RECORDING.
 
@@ -81,6 +86,7 @@ def fit(
     and fluid is included. Exit code: 0 if every key is determined, 1 if a key is not or if the
     recording refutes the scene, 2 if the input is refused.
     """
+    begin(details=details, quiet=quiet)
     from tweezer.values.units import Time
 
     if set and scene is None:
@@ -97,7 +103,7 @@ def fit(
         load_recording(each, columns=columns, rate=rate, scale=scale, bead=bead).since(skipped)
         for each in recordings
     ]
-    with showing_progress(loaded[0].name, 1.0) as progress:
+    with showing_progress(loaded[0].name) as progress:
         found = fitted(loaded, described, free=free, forces=force or [], progress=progress)
     print_card(found.card())
     if out:

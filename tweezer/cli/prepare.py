@@ -6,14 +6,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tweezer.cli.app import SceneName, app, map_of, scene_with, settings_of
+from tweezer.cli.app import Details, Quiet, SceneName, app, map_of, scene_with, settings_of
 from tweezer.cli.completion import complete_scene, complete_setting
-from tweezer.cli.console import ERR, OUT
-from tweezer.cli.tables import add_light, table_of
+from tweezer.cli.console import ERR, OUT, begin, end_notice
+from tweezer.cli.tables import print_shown
 from tweezer.values.errors import SceneError
 from tweezer.values.printed import printed
+from tweezer.values.shown import Row
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from tweezer.compiled import Compilation
     from tweezer.optics import Table as Map
     from tweezer.scene import Scene
@@ -30,16 +33,22 @@ def force_map(
             autocompletion=complete_setting,
         ),
     ] = None,
+    details: Details = False,
+    quiet: Quiet = False,
 ) -> None:
     """Compute the force map of SCENE.
 
     The command prints the error of the map and stores it. A scene uses it if evaluator = "map" in
     [optics].
     """
+    begin(details=details, quiet=quiet)
     described = scene_with(scene, {"optics.evaluator": "map", **settings_of(set or [])})
     if (other := described.optics.evaluator) != "map":
         raise SceneError(f"optics.evaluator = {other!r}: must be 'map' where the map is made")
-    _print_map(described, map_of(described))
+    made = map_of(described)
+    print_shown(described.name, _rows(described, made))
+    if made.path:
+        OUT.print(f"kept in {made.path}", highlight=False, soft_wrap=True)
 
 
 @app.command()
@@ -52,6 +61,7 @@ def warmup(
             autocompletion=complete_scene,
         ),
     ] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Compile in advance for commands on SCENE.
 
@@ -59,9 +69,11 @@ def warmup(
     the shipped scenes. For those without a grid this includes thermal motion, and a bead with a
     lower refractive index than the medium.
     """
+    begin(quiet=quiet)
     from tweezer.scene import load_scene, shipped_scenes
 
     described = [load_scene(name) for name in scene or shipped_scenes()]
+    end_notice()
     with ERR.status("loading") as status:
         from tweezer.cli.warmup import usual_scenes, warm_up
         from tweezer.compiled import compilation, found
@@ -80,19 +92,17 @@ def warmup(
     )
 
 
-def _print_map(scene: Scene, made: Map) -> None:
-    """Print the range, error and size of a force map."""
-    table = table_of(scene.name, "")
-    table.add_row("largest force", printed(made.largest_force, "pN"))
+def _rows(scene: Scene, made: Map) -> Iterator[Row]:
+    """Yield the rows of a force map: range, error, size and light."""
+    from tweezer.optics import rows_of_light
+
+    yield Row("largest force", printed(made.largest_force, "pN"))
     part = made.certified_error / made.largest_force if made.largest_force else 0.0
     error = f"{printed(made.certified_error, 'pN', 2)}, {part:.2g} of the largest force"
-    table.add_row("certified error", error)
-    table.add_row("range", f"{printed(made.range, 'um')} from the focus")
-    table.add_row("pieces", f"{made.pieces}")
+    yield Row("certified error", error)
+    yield Row("range", f"{printed(made.range, 'um')} from the focus")
+    yield Row("pieces", f"{made.pieces}", detail=True)
     if made.path:
-        table.add_row("size of the file", f"{made.path.stat().st_size / 1e6:.2g} MB")
-    table.add_row("time to make", f"{made.build_time:.2g} s")
-    add_light(table, scene)
-    OUT.print(table)
-    if made.path:
-        OUT.print(f"kept in {made.path}", highlight=False, soft_wrap=True)
+        yield Row("size of the file", f"{made.path.stat().st_size / 1e6:.2g} MB")
+    yield Row("time to make", f"{made.build_time:.2g} s", detail=True)
+    yield from rows_of_light(scene)

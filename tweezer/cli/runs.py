@@ -12,9 +12,11 @@ import typer
 
 from tweezer.cli.app import (
     Changes,
+    Details,
     FigureFile,
     Overwrite,
     OwnForces,
+    Quiet,
     app,
     bind_light,
     quantity_in,
@@ -27,6 +29,7 @@ from tweezer.cli.console import (
     FAILED,
     INTERRUPTED,
     OUT,
+    begin,
     complain,
     showing_progress,
     tell_written,
@@ -34,15 +37,14 @@ from tweezer.cli.console import (
     writable_result,
     write_figure,
 )
-from tweezer.cli.tables import add_light, add_rows, table_of
+from tweezer.cli.tables import print_shown, table_of
 from tweezer.scene.choices import METHODS, MODELS, methods
 from tweezer.values.errors import PhysicsWarning, SceneError
 from tweezer.values.printed import printed
+from tweezer.values.shown import Row
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from rich.table import Table
+    from collections.abc import Callable, Iterator, Sequence
 
     from tweezer.dynamics.continuing import Continued
     from tweezer.forces.force import Force
@@ -129,6 +131,8 @@ def run(
     out: _Out = None,
     plot: FigureFile = None,
     overwrite: Overwrite = False,
+    details: Details = False,
+    quiet: Quiet = False,
 ) -> None:
     """Simulate the bead in SCENE.
 
@@ -138,6 +142,7 @@ def run(
     requires --overwrite. An interrupted or failed run never replaces a file, and is written to a
     new one.
     """
+    begin(details=details, quiet=quiet)
     from tweezer.scene.arguments import check_run
 
     settings = settings_of(set or [], duration=duration, model=model, method=method)
@@ -277,7 +282,7 @@ def followed_with_progress(
     def with_progress() -> None:
         """Compute the remaining errors of the run, with a progress bar."""
         with (
-            showing_progress(f"{scene.name}: errors", 1.0),
+            showing_progress(f"{scene.name}: errors"),
             warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # shown before
         ):
             find_errors()
@@ -286,67 +291,64 @@ def followed_with_progress(
 
 
 def _print_summary(scene: Scene, result: Run) -> None:
-    """Print the outcome of a run, and the methods that computed it."""
+    """Print the outcome of a run, and with --details how it was computed."""
     from tweezer.runs.summary import summary_of
 
-    summary = summary_of(result)
+    print_shown(scene.name, _rows(scene, result, summary_of(result)), len(_BY_MODEL))
+
+
+def _rows(scene: Scene, result: Run, summary: Summary) -> Iterator[Row]:
+    """Yield the rows of the outcome of a run and of its computation."""
+    from tweezer.optics import rows_of_light
+
     attributes = result.attributes
     model: str = attributes["model"]
     if model == "scaled":
         model += f", a2 = {scene.simulation.scaling_factor:g}"
-    table = _table(scene.name)
-    add_rows(table, summary.outcome_rows())
+    yield from summary.outcome_rows()
     if not scene.forces.brownian:
-        add_rows(table, summary.approach_rows())
+        yield from summary.approach_rows()
     if scene.draws:
         of = "thermal motion" if scene.forces.brownian else "noise"
-        table.add_row(f"seed of the {of}", f"{attributes['seed']}")
+        yield Row(f"seed of the {of}", f"{attributes['seed']}")
     if scene.camera is not None and "seen" in result:
         frames = f"{len(result['seen'])} frames, one every {printed(1 / scene.camera.rate, 'ms')}"
-        table.add_row("seen by the camera", frames)
+        yield Row("seen by the camera", frames)
     if "continued_from" in attributes:
-        table.add_row("continued from", f"{printed(result['time'][0], 'ms', 6)} after the release")
-    table.add_row("model, method", f"{model}; {attributes['method']}")
-    table.add_row("inertia of the fluid", attributes["fluid_inertia"])
-    table.add_row("force by", attributes["force_evaluator"])
-    add_light(table, scene)
+        yield Row("continued from", f"{printed(result['time'][0], 'ms', 6)} after the release")
+    yield Row("model, method", f"{model}; {attributes['method']}")
+    yield Row("inertia of the fluid", attributes["fluid_inertia"])
+    yield Row("force by", attributes["force_evaluator"], detail=True)
+    yield from rows_of_light(scene)
     if scene.forces.brownian:
-        table.add_row("step", f"{attributes['step']:.3g} s")
+        yield Row("step", f"{attributes['step']:.3g} s", detail=True)
     else:
-        table.add_row("error of the integration", _up_to(attributes["integration_error"], summary))
-    table.add_row("steps", f"{attributes['steps']}")
-    table.add_row("force calls", f"{attributes['force_calls']}")
+        yield Row("error of the integration", _up_to(attributes["integration_error"], summary))
+    yield Row("steps", f"{attributes['steps']}", detail=True)
+    yield Row("force calls", f"{attributes['force_calls']}", detail=True)
     if summary.by_samples:
-        table.add_row("resolved by", "the samples: what happens between them is not seen")
+        yield Row("resolved by", "the samples: what happens between them is not seen")
     seconds = f"{attributes['wall_time']:.2g} s, {attributes['step_time']:.2g} s of it stepping"
     if attributes["compile_time"] > 0:
         seconds += f", and {attributes['compile_time']:.0f} s to compile, once"
-    table.add_row("time", seconds)
-    OUT.print(table)
+    yield Row("time", seconds, detail=True)
 
 
 def _print_errors(scene: Scene, result: Run) -> None:
-    """Print the errors of a run, which are known only after its outcome."""
+    """Print the errors that are known last: see `tweezer.runs.simulation.motion_of`."""
     from tweezer.runs.summary import summary_of
 
     summary, by_model = summary_of(result), result.attributes["model_error"]
-    table = _table("errors")
+    rows = []
     if summary.largest_force > 0:
         largest, error = summary.largest_force, summary.force_error
         told = f"up to {printed(error, 'pN', 1)}{_where(summary)}, "
         told += f"{100 * error / largest:.1g} % of the largest"
-        table.add_row("error of the force", "not known" if math.isnan(error) else told)
+        rows.append(Row("error of the force", "not known" if math.isnan(error) else told))
     if not scene.forces.brownian and by_model != 0:
-        table.add_row(_BY_MODEL, _up_to(by_model, summary))
-    if table.row_count:
-        OUT.print(table)
-
-
-def _table(heading: str) -> Table:
-    """Return an empty table whose second column is aligned with that of the other table."""
-    table = table_of(heading, "")
-    table.columns[0].min_width = len(_BY_MODEL)
-    return table
+        rows.append(Row(_BY_MODEL, _up_to(by_model, summary)))
+    if rows:
+        print_shown("errors", rows, len(_BY_MODEL))
 
 
 def _up_to(error: float, summary: Summary) -> str:

@@ -14,6 +14,7 @@ from tweezer.cli.app import (
     FigureFile,
     Overwrite,
     OwnForces,
+    Quiet,
     Resume,
     SceneName,
     app,
@@ -26,6 +27,7 @@ from tweezer.cli.console import (
     INTERRUPTED,
     OUT,
     STORES,
+    begin,
     complain,
     showing_progress,
     tell_written,
@@ -93,6 +95,7 @@ def sweep(
     set: Changes = None,
     plot: FigureFile = None,
     overwrite: Overwrite = False,
+    quiet: Quiet = False,
 ) -> None:
     """Compute a quantity for many scenes.
 
@@ -100,6 +103,7 @@ def sweep(
     Ctrl-C or a crash, with --resume. --overwrite applies only to the figure of --plot; a store is
     never replaced.
     """
+    begin(quiet=quiet)
     from tweezer.values.units import Time
 
     described = scene_with(scene, settings_of(set or []))
@@ -108,7 +112,7 @@ def sweep(
     skipped = quantity_in("--skip", skip, Time) if skip else None
     if plot:
         _check_drawn(over or [], cases)
-    with showing_progress(described.name, 1.0) as progress:
+    with showing_progress(described.name) as progress:
         from tweezer.sweeps import sweep as computed
         from tweezer.sweeps.cases import read_over
 

@@ -7,52 +7,55 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from tweezer.cli.console import OUT
+from tweezer.cli.console import OUT, detailed, say
+from tweezer.values.signs import for_stream
 
 if TYPE_CHECKING:
     from rich.table import Table as RichTable
 
-    from tweezer.scene import Scene
     from tweezer.values.shown import Card, Row, Table
-
-
-def add_light(table: RichTable, scene: Scene) -> None:
-    """Add rows on the theory of the light, the reason for it, and the validity of ray optics."""
-    from tweezer.optics import rows_of_light
-
-    add_rows(table, rows_of_light(scene))
-
-
-def add_rows(table: RichTable, rows: Iterable[Row]) -> None:
-    """Add rows of a result with their caveats to a table."""
-    for row in rows:
-        table.add_row(row.name, row.told)
 
 
 def print_card(card: Card) -> None:
     """Print a result: its rows, tables and notes."""
-    table = table_of(card.of, "")
-    add_rows(table, card.rows)
-    OUT.print(table)
+    print_shown(card.of, card.rows)
     for each in card.tables:
         print_table(each)
     for note in card.notes:
-        OUT.print(note, highlight=False, soft_wrap=True)
+        say(note)
+
+
+def print_shown(heading: str, rows: Iterable[Row], width: int = 0) -> None:
+    """Print the rows of a result with their caveats, and the details with --details.
+
+    `width` is the smallest width of the column of names.
+    """
+    table = table_of(heading, "")
+    table.columns[0].min_width = width
+    for row in rows:
+        if detailed() or not row.detail:
+            table.add_row(row.name, _with_signs(row.told))
+    OUT.print(table)
 
 
 def print_table(cells: Table) -> None:
     """Print one table of a result."""
-    table = table_of(*cells.headings)
+    table = table_of(*map(_with_signs, cells.headings))
     for row in cells.rows:
-        table.add_row(*row)
+        table.add_row(*map(_with_signs, row))
     OUT.print(table)
+
+
+def _with_signs(text: str) -> str:
+    """Return a text with the signs that the terminal has."""
+    return for_stream(text, OUT.file)
 
 
 def print_parts(parts: Iterable[Table | str]) -> None:
     """Print the tables and lines of a result in order."""
     for each in parts:
         if isinstance(each, str):
-            OUT.print(each, highlight=False, soft_wrap=True)
+            say(each)
         else:
             print_table(each)
 
@@ -71,6 +74,7 @@ def print_rows(rows: list[list[str]]) -> None:
     If the terminal is too narrow, each row is printed as a list. Pipes and files have no width.
     """
     console = OUT if OUT.is_terminal else Console(width=10_000, quiet=OUT.quiet)
+    rows = [[_with_signs(cell) for cell in row] for row in rows]
     columns = list(zip(*rows, strict=True))
     by_cells = [max(map(len, cells)) for cells in columns]
     by_words = [

@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from tweezer.cli.app import app
-from tweezer.cli.console import OUT, awaited, showing_progress
+from tweezer.cli.app import Quiet, app
+from tweezer.cli.console import OUT, awaited, begin, showing_progress
 from tweezer.cli.tables import table_of
 from tweezer.values.errors import PhysicsWarning
 
@@ -26,12 +26,14 @@ def reproduce(
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder to write to.")] = Path("thesis-results"),
     seed: Annotated[int, typer.Option(help="Seed of the thermal motion.")] = 1,
+    quiet: Quiet = False,
 ) -> None:
     """Reproduce the thesis: figures and claims.
 
     The command draws the figures, and judges the claims with ray optics and wave optics. It also
     computes the captures in a fluid with inertia, and studies why the 500 nm bead is lost.
     """
+    begin(quiet=quiet)
     from tweezer.thesis import reproduce as reproduced
 
     with (

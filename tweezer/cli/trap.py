@@ -11,22 +11,25 @@ import typer
 
 from tweezer.cli.app import (
     Changes,
+    Details,
     FigureFile,
     JsonFile,
     Overwrite,
     OwnForces,
+    Quiet,
     SceneName,
     app,
     bind_light,
     quantity_in,
     scene_with,
     settings_of,
+    warn_of_rays,
 )
 from tweezer.cli.console import (
     INTERRUPTED,
-    OUT,
+    begin,
     complain,
-    show_warning,
+    say,
     showing_progress,
     tell_written,
     writable_figure,
@@ -75,12 +78,15 @@ def trap(
     ] = None,
     plot: FigureFile = None,
     overwrite: Overwrite = False,
+    details: Details = False,
+    quiet: Quiet = False,
 ) -> None:
     """Characterise the trap of SCENE.
 
     The command prints the equilibrium, trap stiffness, escape force, well depth, range, lifetime
     and efficiencies. With --heights it prints how the trap depends on the height above a wall.
     """
+    begin(details=details, quiet=quiet)
     described = scene_with(scene, settings_of(set or []))
     out = out and writable_result(out, ("nc",) if heights else ("json",), overwrite=overwrite)
     plot = writable_figure(plot, overwrite=overwrite)
@@ -94,10 +100,11 @@ def trap(
         raise SceneError("--count: requires --heights")
     bind_light(described)
 
-    from tweezer.trap import characterise
+    with showing_progress(described.name):
+        from tweezer.trap import characterise
 
-    characterised = characterise(described, forces=force or [])
-    _ = characterised.lifetime  # computed on first use
+        characterised = characterise(described, forces=force or [])
+        _ = characterised.lifetime  # computed on first use
     print_card(characterised.card())
     if out:
         from tweezer.trap.saved_trap import content_of
@@ -118,17 +125,15 @@ def _trap_over(
     If it is interrupted, the heights computed so far are printed and written. `ends` are the lowest
     and highest height.
     """
-    from tweezer.optics import ray_optics_caveat
     from tweezer.values.units import PositiveLength
 
     low, high = (quantity_in("--heights", text, PositiveLength) for text in ends)
     if count == 1 and low != high:
         raise SceneError(f"--count 1: must be 2 or more, from {ends[0]} to {ends[1]}")
     step = (high - low) / max(count - 1, 1)
-    if caveat := ray_optics_caveat(scene):
-        show_warning(caveat)
+    warn_of_rays(scene)
     with (
-        showing_progress(scene.name, 1.0) as progress,
+        showing_progress(scene.name) as progress,
         warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # shown above
     ):
         from tweezer.trap import trap_over_heights
@@ -170,6 +175,8 @@ def tune(
     out: JsonFile = None,
     plot: FigureFile = None,
     overwrite: Overwrite = False,
+    details: Details = False,
+    quiet: Quiet = False,
 ) -> None:
     """Compare scaled and unscaled motion of SCENE.
 
@@ -177,6 +184,7 @@ def tune(
     """
     from tweezer.values.units import PositiveLength
 
+    begin(details=details, quiet=quiet)
     described = scene_with(scene, settings_of(set or [], duration=duration))
     allowed = quantity_in("--deviation", deviation, PositiveLength)
     out = out and writable_result(out, ("json",), overwrite=overwrite)
@@ -187,15 +195,12 @@ def tune(
 
     scaled_scenes(described, factor, method)  # to raise errors before the light is computed
     bind_light(described)
-    with showing_progress(described.name, 1.0) as progress:
+    with showing_progress(described.name) as progress:
         tuning = compared(described, factor, method=method, progress=progress)
     print_table(tuning.table())
     most = tuning.most_scaling_within(allowed)
     found = "none of these a2" if most is None else f"a2 down to {most.scaling_factor:.3g}"
-    OUT.print(
-        f"within {deviation}: {found}; the thesis's first guess, epsilon: {tuning.epsilon:.3g}",
-        highlight=False, soft_wrap=True,
-    )  # fmt: skip
+    say(f"within {deviation}: {found}; the thesis's first guess, epsilon: {tuning.epsilon:.3g}")
     if out:
         write_result(dataclasses.asdict(tuning), out)
     if plot:

@@ -8,12 +8,22 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tweezer.cli.app import Changes, Overwrite, app, bind_light, scene_with, settings_of
+from tweezer.cli.app import (
+    Changes,
+    Details,
+    Overwrite,
+    Quiet,
+    app,
+    bind_light,
+    scene_with,
+    settings_of,
+)
 from tweezer.cli.completion import complete_shown
 from tweezer.cli.console import (
     FAILED,
     INTERRUPTED,
     OUT,
+    begin,
     complain,
     showing_progress,
     tell_written,
@@ -57,6 +67,8 @@ def view(
         typer.Option(help=f"Duration of the film, s. Requires --movie. Default: {_SECONDS:g}."),
     ] = None,
     overwrite: Overwrite = False,
+    details: Details = False,
+    quiet: Quiet = False,
 ) -> None:
     """Show RUN on an interactive page.
 
@@ -65,6 +77,7 @@ def view(
     force field, and for a sweep the outcome of each case. An earlier page of tweezer at OUT is
     replaced; any other file requires --overwrite.
     """
+    begin(details=details, quiet=quiet)
     out = out and writable_result(out, ("html",), overwrite=overwrite, obstacle=_obstacle)
     length = _SECONDS if seconds is None else seconds
     if movie is not None:
@@ -84,7 +97,7 @@ def view(
     if movie is not None:
         from tweezer.viewing.movie import film
 
-        with showing_progress(f"{movie}", 1.0) as progress:
+        with showing_progress(f"{movie}") as progress:
             film(page, movie, length, progress)
         tell_written(movie)
     if code:

@@ -30,6 +30,7 @@ from tweezer.optics.table import Table
 from tweezer.optics.worth import (
     RayOpticsWorth,
     ray_optics_caveat,
+    ray_optics_warning,
     ray_optics_worth,
     rows_of_light,
     worth_attributes,
@@ -58,6 +59,7 @@ __all__ = [
     "optical_jacobian",
     "optical_torque",
     "ray_optics_caveat",
+    "ray_optics_warning",
     "ray_optics_worth",
     "rows_of_light",
     "sampled",

@@ -15,7 +15,7 @@ from tweezer.forces.equilibria import Search
 from tweezer.forces.force import Kernel, Wrench, no_force
 from tweezer.optics.light import LightForce, error_by
 from tweezer.optics.table import Progress, Table
-from tweezer.optics.worth import ray_optics_caveat
+from tweezer.optics.worth import ray_optics_warning
 from tweezer.scene import Scene
 from tweezer.scene.choices import THEORIES, at, evaluator
 from tweezer.scene.sections import Beam
@@ -155,11 +155,11 @@ def light_of_one_beam(scene: Scene) -> LightForce:
     """The force of the light of a scene's only beam.
 
     The map is computed if the user's cache folder does not hold it: see `force_map`. Warns once
-    (`PhysicsWarning`) how far ray optics holds: see `ray_optics_caveat`. Warns if the series of a
+    (`PhysicsWarning`) how far ray optics holds: see `ray_optics_warning`. Warns if the series of a
     beam's table deviates from it by more than 0.1 % of the peak.
     """
-    if scene.theory == "rays" and (caveat := ray_optics_caveat(scene)) is not None:
-        _warn_once(caveat)
+    if scene.theory == "rays" and (warning := ray_optics_warning(scene)) is not None:
+        _warn_once(f"{warning}; tweezer.optics.ray_optics_caveat(scene) says more")
     if not scene.lit:
         from tweezer.optics.rays.light import light_on_bead
 

@@ -99,6 +99,16 @@ class RayOpticsWorth:
         return f"{self.wavelengths:.2g} wavelengths, {self.focal_spots:.2g} focal spots across"
 
     @property
+    def verdict(self) -> str:
+        """Validity of ray optics in a few words, which follow "ray optics is"."""
+        if not self.trusted:
+            return "not to be trusted"
+        if self.force_inside is None or self.force_at_edge is None:
+            return "not compared with wave optics"
+        largest = max(self.force_inside, self.force_at_edge, key=lambda errors: errors[1])
+        return f"off by up to {_percent(largest)} of the largest force"
+
+    @property
     def in_short(self) -> str:
         """Summary in a few words, for a line of a table."""
         if not self.trusted:
@@ -193,6 +203,17 @@ def ray_optics_caveat(scene: Scene) -> str | None:
     return "; ".join([*parts, _way_out(scene)])
 
 
+def ray_optics_warning(scene: Scene) -> str | None:
+    """Return the validity of ray optics in one line of about 90 characters.
+
+    Returns None if `ray_optics_worth` returns None.
+    """
+    worth = ray_optics_worth(scene)
+    if worth is None:
+        return None
+    return f"the bead is {worth.wavelengths:.2g} wavelengths across: ray optics is {worth.verdict}"
+
+
 def _way_out(scene: Scene) -> str:
     """Return a clause on how to compute the exact force for a scene, or why it is not possible."""
     if (reason := no_waves(scene.optics, scene.beams)) is not None:
@@ -282,9 +303,12 @@ def _percent(errors: Range | None) -> str:
 
 def rows_of_light(scene: Scene) -> list[Row]:
     """Return rows of a table on the theory of the light, its reason, and how valid rays are."""
-    theory = f"{scene.theory} ({scene.theory_reason})" if scene.lit else "none"
-    worth = ray_optics_worth(scene)
-    return [Row("light", theory), *([Row("ray optics", worth.in_short)] if worth else [])]
+    if not scene.lit:
+        return [Row("light", "none")]
+    rows = [Row("light", scene.theory), Row("  because", scene.theory_reason, detail=True)]
+    if worth := ray_optics_worth(scene):
+        rows += [Row("ray optics", worth.verdict), Row("  in detail", worth.in_short, detail=True)]
+    return rows
 
 
 def between(ratios: Range | None) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import math
-import re
 import textwrap
 from dataclasses import dataclass
 from io import BytesIO
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from tweezer.values.errors import ResultError
 from tweezer.values.files import replacing
 from tweezer.values.printed import in_unit, printed, signal_unit
+from tweezer.values.signs import typeset
 from tweezer.values.version import __version__
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def page_of(recording: Recording, calibration: Calibration) -> Page:
             axes = against.setdefault(note, [])
             axes += [axis.axis] if axis.axis not in axes else []
     if free is not None:
-        said = _typeset(free.line(calibration.unit))
+        said = typeset(free.line(calibration.unit))
         verdicts.insert(0, Verdict(said, trusted=not free.findings))
         for text in (*(each.text for each in free.findings), *free.remarks):
             against.setdefault(text, [each.axis for each in free.axes])
@@ -113,7 +113,7 @@ def _verdict(axis: AxisCalibration) -> Verdict:
     for each in axis.estimates:
         if not each.findings:
             text = f"{axis.axis}: k = {each.measured.words}, by {each.method}"
-            return Verdict(_typeset(text), trusted=True)
+            return Verdict(typeset(text), trusted=True)
     reasons = "; ".join(finding.text for finding in axis.findings)
     text = f"{axis.axis}: no stiffness is to be trusted"
     return Verdict(f"{text}: {reasons}" if reasons else text, trusted=False)
@@ -125,12 +125,7 @@ def _table(axis: AxisCalibration, unit: str, notes: list[str]) -> AxisTable:
         (method, k if k == "-" else f"{k} ± {error}", judgement.partition("; ")[0])
         for method, k, error, judgement in axis.table(notes).rows
     ]
-    return AxisTable(axis.axis, rows, [_typeset(line) for line in axis.lines(unit, notes)])
-
-
-def _typeset(line: str) -> str:
-    """Return a line for a terminal with typographic signs: µ, ± and ²."""
-    return re.sub(r"\bu(?=[ms]\b)", "µ", line.replace("+-", "±").replace("^2", "²"))
+    return AxisTable(axis.axis, rows, [typeset(line) for line in axis.lines(unit, notes)])
 
 
 def _facts(recording: Recording, calibration: Calibration) -> list[tuple[str, str]]:
@@ -180,6 +175,7 @@ def _facts(recording: Recording, calibration: Calibration) -> list[tuple[str, st
         facts.append(("frequencies of the fit", _band(*left_out.fit_range)))
     if calibration.note:
         facts.append(("omitted", calibration.note))
+    facts = [(name, typeset(told)) for name, told in facts]
     return [*facts, ("made by", f"tweezer {__version__}")]
 
 

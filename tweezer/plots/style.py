@@ -21,6 +21,7 @@ from matplotlib.backend_bases import RendererBase
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.legend import Legend
 
+from tweezer.values.signs import typeset
 from tweezer.values.version import __version__
 
 _P = ParamSpec("_P")
@@ -214,14 +215,18 @@ def add_title(figure: Figure | SubFigure, text: str, note: str = "") -> None:
     Both are literal text: a dollar sign in a name does not begin a formula.
     """
     width = round(13 * figure.bbox.width / figure.dpi)
-    parts = [textwrap.fill(part, width, max_lines=3, placeholder=" …") for part in (text, note)]
+    parts = [
+        textwrap.fill(typeset(part), width, max_lines=3, placeholder=" …") for part in (text, note)
+    ]
     figure.suptitle("\n".join(filter(None, parts)), parse_math=False)
 
 
 def add_note(figure: Figure, text: str) -> None:
     """Add a note in small letters below all panels, on limitations that a reader must know."""
     width = round(figure.get_figwidth() * 17)
-    figure.supxlabel(textwrap.fill(text, width), fontsize=SMALL, color=NOTE, parse_math=False)
+    figure.supxlabel(
+        textwrap.fill(typeset(text), width), fontsize=SMALL, color=NOTE, parse_math=False
+    )
 
 
 def headroom(axes: Axes, part: float, *, below: bool = False) -> None:

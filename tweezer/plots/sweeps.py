@@ -19,7 +19,8 @@ from tweezer.sweeps.quantities import FAILED, MISSING
 from tweezer.trap.quantities import STABLE
 from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
-from tweezer.values.prefixes import in_tables, typeset
+from tweezer.values.prefixes import in_tables
+from tweezer.values.signs import typeset
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

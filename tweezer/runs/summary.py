@@ -139,7 +139,12 @@ class Summary(Result):
         doubt: caveat of the outcome; "" for none.
         """
         when = with_error(self.outcome_time, self.outcome_time_error, "ms")
-        yield Row("outcome", f"{self.outcome}, {when}{self.untold}", doubt)
+        if self.outcome == "not captured" and self.sought_within is not None:
+            yield Row("outcome", f"{self.outcome}, {when}", doubt)
+            within = printed(self.sought_within, "um", 3)
+            yield Row("no stable equilibrium", f"within {within} of its end")
+        else:
+            yield Row("outcome", f"{self.outcome}, {when}{self.untold}", doubt)
         x, y, z = (round(scaled(coordinate, "um"), 4) + 0.0 for coordinate in self.end)  # no -0.0
         yield Row("end (x, y, z)", f"{x:.4f}, {y:.4f}, {z:.4f} um from the focus")
         if self.smallest_gap is not None:

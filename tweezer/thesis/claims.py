@@ -17,7 +17,8 @@ from tweezer.runs import Summary
 from tweezer.scene import Scene, load_scene
 from tweezer.thesis.runs import BEADS, Motions, closest_approach, in_the_light, unscaled_scene
 from tweezer.values.errors import TweezerError
-from tweezer.values.prefixes import per, typeset
+from tweezer.values.prefixes import per
+from tweezer.values.signs import typeset
 
 _Value = TypeVar("_Value")
 #: Models of a motion: names of fields of `Motions`

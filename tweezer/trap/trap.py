@@ -38,7 +38,7 @@ from tweezer.values.errors import ResultError, TweezerError
 from tweezer.values.measured import Measured, Result, figure
 from tweezer.values.prefixes import per
 from tweezer.values.printed import printed
-from tweezer.values.rounding import micrometres
+from tweezer.values.rounding import below_four_digits, micrometres
 from tweezer.values.shown import Card, Row, Table
 from tweezer.values.vectors import Comparable, Vector, fixed
 
@@ -313,14 +313,16 @@ class Trap(Comparable, Result):
         share = self.fraction_through_pupil
         power = printed(self.power_through_pupil, "mW")
         power += "" if share is None else f", {100 * share:.4g} % of the beam"
+        weakest = min((abs(each.force) for each in self._ways_out), default=0.0)
         own = [Row("forces of your own", str(self.other_forces))] if self.other_forces else []
         return Card(
             "Trap", self.scene.name,
             (
                 Row("power through the pupil", power), *self._efficiencies(), *self._held(),
                 *self._others(), *own,
-                Row("error of the force", printed(self.force_error, "pN", 1), of="force_error"),
-                Row("force by", self.evaluator, detail=True), rows_of_light(self.scene)[0],
+                Row("error of the force", printed(self.force_error, "pN", 1), of="force_error",
+                    detail=below_four_digits(weakest, self.force_error)),
+                Row("force by", self.evaluator, detail=True), *rows_of_light(self.scene)[:2],
             ),
             (self._escapes(),) if self._ways_out else (),
         )  # fmt: skip
@@ -359,7 +361,7 @@ class Trap(Comparable, Result):
         stiffness = printed((kx, ky, kz), "pN/um")
         yield Row("stiffness (x, y, z)", stiffness, doubt, of="stiffness")
         if abs(kxy + kyx) > _NEGLIGIBLE * kx:
-            yield Row("stiffness, xy", printed((kxy + kyx) / 2, "pN/um"), doubt, detail=True)
+            yield Row("stiffness, xy", printed((kxy + kyx) / 2, "pN/um"), doubt)
         if abs(place.turn) > _NEGLIGIBLE * kx:
             turn = f"{printed(place.turn, 'pN/um')}, (dFy/dx - dFx/dy)/2"
             yield Row("push round the axis", turn, detail=True)

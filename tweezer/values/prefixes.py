@@ -78,11 +78,6 @@ def in_tables(unit: str) -> tuple[float, str]:
     return per(name) if name != unit else 1.0, "" if name == "1" else name
 
 
-def typeset(unit: str) -> str:
-    """Return the name of a unit with typographic signs, as in pages and figures: "µm²"."""
-    return re.sub(r"\bu(?=[msWV])", "µ", re.sub(r"(?<=[unp]m)\^2", "²", unit))
-
-
 def usual_unit(size: float, unit: str) -> tuple[float, str]:
     """Return the unit in which a magnitude is usually written as 1 to 1000, with its factor to SI.
 

@@ -6,11 +6,14 @@ command line are made.
 
 from __future__ import annotations
 
+import sys
 import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
 from html import escape
 from typing import NamedTuple
+
+from tweezer.values.signs import for_stream, typeset
 
 #: Width of a text, characters
 _WIDTH = 92
@@ -88,15 +91,18 @@ class Shown:
 
 
 def as_text(card: Card) -> str:
-    """Return a card as text: the title, a line for each row except details, and the notes."""
+    """Return a card as text: the title, a line for each row except details, and the notes.
+
+    It has the signs µ, ± and · if the encoding of the standard output has them.
+    """
     rows = [row for row in card.rows if not row.detail]
     width = max((len(row.name) for row in rows), default=0)
     lines = [clipped(card.title)]
     for row in rows:
-        told = clipped(row.told)
+        told = clipped(for_stream(row.told, sys.stdout))
         lines += _indented(told, f"  {row.name:{width}}  ", " " * (width + 4))
     for note in card.notes:
-        lines += _indented(clipped(note), "  ", "  ")
+        lines += _indented(clipped(for_stream(note, sys.stdout)), "  ", "  ")
     return "\n".join(lines)
 
 
@@ -126,7 +132,7 @@ def as_html(card: Card) -> str:
     parts = [*_table(card.title, (), cells)]
     for table in card.tables:
         parts += _table("", table.headings, table.rows)
-    parts += [f"<p>{escape(note)}</p>" for note in card.notes]
+    parts += [f"<p>{escape(typeset(note))}</p>" for note in card.notes]
     return f'<div class="tweezer">{"".join(parts)}</div>'
 
 
@@ -141,10 +147,12 @@ def _table(
             f'color: inherit">{escape(title)}</caption>'
         )
     if headings:
-        named = (f'<th scope="col" style="{_CELL}">{escape(each)}</th>' for each in headings)
+        named = (
+            f'<th scope="col" style="{_CELL}">{escape(typeset(each))}</th>' for each in headings
+        )
         yield f"<thead><tr>{''.join(named)}</tr></thead>"
     yield "<tbody>"
     for name, *values in rows:
-        told = "".join(f'<td style="{_CELL}">{escape(each)}</td>' for each in values)
+        told = "".join(f'<td style="{_CELL}">{escape(typeset(each))}</td>' for each in values)
         yield f'<tr><th scope="row" style="{_CELL}">{escape(name)}</th>{told}</tr>'
     yield "</tbody></table>"

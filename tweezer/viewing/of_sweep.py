@@ -12,7 +12,8 @@ from tweezer.scene.heading import heading, named, of_changes
 from tweezer.sweeps.quantities import FAILED, MISSING, quantities_of
 from tweezer.trap.quantities import STABLE
 from tweezer.values.measured import DIMENSIONS
-from tweezer.values.prefixes import in_tables, typeset
+from tweezer.values.prefixes import in_tables
+from tweezer.values.signs import typeset
 from tweezer.viewing.arrays import Packed, float32
 from tweezer.viewing.content import Content, Row
 from tweezer.viewing.rows import computed_by

@@ -15,6 +15,7 @@ from typing import Any
 from tweezer.values.errors import ResultError
 from tweezer.values.files import replacing
 from tweezer.values.saved import SHOWN, check_ending
+from tweezer.values.signs import typeset
 from tweezer.values.version import __version__
 from tweezer.viewing.content import Content
 
@@ -52,7 +53,7 @@ class Page:
         environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
         template = environment.from_string(_text(_STATIC / "page.html"))
         page = template.render(
-            title=_typeset(self.content.title),
+            title=typeset(self.content.title),
             version=__version__,
             licence=_text(_STATIC / "vendor/LICENSE").strip(),
             styles="\n".join(_text(_STATIC / name) for name in styles),
@@ -109,19 +110,14 @@ def _as_json(content: Content) -> dict[str, Any]:
     return {
         "kind": content.kind,
         "shows": next(kind.told for kind in SHOWN if kind.name == content.kind),
-        "title": _typeset(content.title),
-        "warning": content.warning,
+        "title": typeset(content.title),
+        "warning": typeset(content.warning),
         "facts": content.facts,
         "arrays": {name: packed.as_json() for name, packed in content.arrays.items()},
-        "summary": [row._asdict() | {"value": _typeset(row.value)} for row in content.summary],
-        "notes": [_typeset(note) for note in content.notes],
+        "summary": [row._asdict() | {"value": typeset(row.value)} for row in content.summary],
+        "notes": [typeset(note) for note in content.notes],
         "version": __version__,
     }
-
-
-def _typeset(words: str) -> str:
-    """Replace "um", which scenes and terminal tables use, by "µm" in a text."""
-    return re.sub(r"\bum\b", "µm", words)
 
 
 def _in_script(value: object) -> str:

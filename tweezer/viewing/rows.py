@@ -8,6 +8,7 @@ from typing import Any
 
 from tweezer.values import prefixes
 from tweezer.values.rounding import rounded
+from tweezer.values.signs import typeset
 from tweezer.viewing.content import Row
 
 #: Text in place of a number or an error that is not known
@@ -30,7 +31,7 @@ def of_number(
     known = error is not None and 0 < error < math.inf
     size = value if value or not known or error is None else error
     factor, shown = prefixes.in_tables(unit) if in_tables else prefixes.prefixed(size, unit)
-    shown = prefixes.typeset(shown)
+    shown = typeset(shown)
     if error is None or not known:
         told = "" if error is None or error == 0 else NOT_KNOWN
         return Row(name, f"{factor * value:.4g} {shown}".rstrip(), told, trusted)
@@ -45,7 +46,7 @@ def si(value: float, unit: str, digits: int = 3) -> str:
     if not math.isfinite(value):
         return NOT_KNOWN
     factor, name = prefixes.prefixed(value, unit)
-    return f"{float(f'{factor * value:.{digits}g}'):.6g} {prefixes.typeset(name)}"  # 300, not 3e+02
+    return f"{float(f'{factor * value:.{digits}g}'):.6g} {typeset(name)}"  # 300, not 3e+02
 
 
 def computed_by(attributes: Mapping[str, Any]) -> str:
