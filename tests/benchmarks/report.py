@@ -53,13 +53,13 @@ def tables(results: Results) -> list[list[list[str]]]:
     """Return the tables by position and of single numbers, with the headings in the first row."""
     figures = [results["headline"]["by_place"][kind] for kind in KINDS]
     by_place = [
-        ["", *KINDS],
+        ["time or error", *KINDS],
         *(
             [label, *(_cell(key, of[key]) if key in of else "" for of in figures)]
             for label, key in _ROWS
         ),
     ]
-    return [by_place, [["", ""], *_apart(results)]]
+    return [by_place, [["other times", "time"], *_apart(results)]]
 
 
 def _cell(key: str, value: float) -> str:
