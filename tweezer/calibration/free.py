@@ -274,9 +274,21 @@ def not_trapped(
 ) -> Diffusion | None:
     """Return the diffusion along the axes without a detected trap; None without such an axis.
 
-    `found` has the findings against a trapped bead for each axis of the positions (n, axes), m,
-    sampled every `step`, s. `given` contains known properties of the bead. The bead is free along
-    an axis if it looks free, or if it has findings and all of them are consistent with a free bead.
+    The bead is free along an axis if it looks free, or if it has findings and all of them are
+    consistent with a free bead.
+
+    Parameters
+    ----------
+    name : str
+        Name of the recording.
+    found : mapping of str to sequence of Finding
+        Findings against a trapped bead for each axis.
+    positions : ndarray, shape (n, axes)
+        Positions, m.
+    step : float
+        Sampling interval, s.
+    given : Given
+        Known properties of the bead.
     """
 
     def fitted(axes: Sequence[str]) -> Diffusion | None:

@@ -46,9 +46,20 @@ def displacement(
 ) -> tuple[float, float]:
     """Return the stiffness from mean squared displacements, and its standard uncertainty, N/m.
 
-    `positions` (n,), m, are sampled every `step`, s. The fit starts at `bead` and uses the `lags`,
-    in samples. `missing` describes the part of the bead's motion that was removed from the
-    positions. The drag is fitted too, unless it is known.
+    Parameters
+    ----------
+    positions : ndarray, shape (n,)
+        Positions, m.
+    step : float
+        Sampling interval, s.
+    bead : TrappedBead
+        Start of the fit.
+    lags : ndarray of int
+        Lags of the fit, in samples.
+    missing : Missing
+        Part of the bead's motion that was removed from the positions.
+    drag_known : bool
+        Whether the drag is known. Otherwise it is fitted too.
     """
     lost = 2 * (missing.variances.sum() - missing.autocovariance(lags * step)) / bead.variance
 
@@ -70,9 +81,20 @@ def autocorrelation(
 ) -> tuple[float, float]:
     """Return the stiffness from the decay of the autocorrelation, and its uncertainty, N/m.
 
-    `positions` (n,), m, are sampled every `step`, s. The fit starts at `bead` and uses the `lags`,
-    in samples, which exclude 0, the only lag affected by white noise. `missing` describes the part
-    of the bead's motion that was removed from the positions. The variance is fitted too.
+    The variance is fitted too.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n,)
+        Positions, m.
+    step : float
+        Sampling interval, s.
+    bead : TrappedBead
+        Start of the fit.
+    lags : ndarray of int
+        Lags of the fit, in samples, without 0, which is the only lag affected by white noise.
+    missing : Missing
+        Part of the bead's motion that was removed from the positions.
     """
     lost = bead.variance_of_mean(step, len(positions)) + missing.autocovariance(lags * step)
     lost = lost / bead.variance
@@ -95,7 +117,14 @@ Covariance = Callable[[NDArray[np.int64]], Array]
 def of_squared_displacements(C: Covariance, s: NDArray[np.int64], i: int, j: int) -> Array:
     """Return the covariance, m^4, of two squared displacements, over i and over j samples.
 
-    They start `s` samples apart (an array). C returns the covariance of two positions for a lag.
+    Parameters
+    ----------
+    C : callable
+        Function that returns the covariance of two positions for a lag.
+    s : ndarray of int
+        Distances between the starts of the two displacements, in samples.
+    i, j : int
+        Lengths of the two displacements, in samples.
     """
     return 2 * (C(s + j - i) - C(s - i) - C(s + j) + C(s)) ** 2
 
@@ -103,8 +132,14 @@ def of_squared_displacements(C: Covariance, s: NDArray[np.int64], i: int, j: int
 def of_products(C: Covariance, s: NDArray[np.int64], i: int, j: int) -> Array:
     """Return the covariance, m^4, of products of positions that are i and j samples apart.
 
-    The two products start `s` samples apart (an array). C returns the covariance of two positions
-    for a lag.
+    Parameters
+    ----------
+    C : callable
+        Function that returns the covariance of two positions for a lag.
+    s : ndarray of int
+        Distances between the starts of the two products, in samples.
+    i, j : int
+        Distances between the positions in each product, in samples.
     """
     return C(s) * C(s + j - i) + C(s + j) * C(s - i)
 
@@ -119,9 +154,23 @@ def covariance_of_averages(
 ) -> Array:
     """Return the covariance (lags, lags), m^4, of averages over a recording at several lags.
 
-    Each average is over all pairs of positions at that lag, of `samples` positions every `step`, s.
-    `of_one`, such as `of_products`, returns the covariance of two averaged terms (Isserlis's
-    theorem). `missing` describes the part of the bead's motion that the recording lacks.
+    Each average is over all pairs of positions at that lag.
+
+    Parameters
+    ----------
+    bead : TrappedBead
+        Bead whose motion is Gaussian.
+    step : float
+        Sampling interval, s.
+    samples : int
+        Number of positions.
+    lags : ndarray of int
+        Lags, in samples.
+    of_one : callable
+        Function such as `of_products`, which returns the covariance of two averaged terms
+        (Isserlis's theorem).
+    missing : Missing
+        Part of the bead's motion that the recording lacks.
     """
     longest = int(lags[-1])
     reach = min(samples, math.ceil(_FORGOTTEN * bead.relaxation_time / step)) + longest

@@ -65,7 +65,16 @@ class LeftOut:
     ) -> LeftOut:
         """Return the exclusions, from numbers in Hz or texts such as "49 Hz..51 Hz".
 
-        `name` is the name of the record, for the `ResultError` about an invalid value.
+        Parameters
+        ----------
+        name : str
+            Name of the recording, for the `ResultError` about an invalid value.
+        leave_out : sequence of str or pair, optional
+            Frequency bands that were removed, Hz.
+        drift : float or str, optional
+            Frequency below which drift was removed, Hz.
+        fit_range : str or pair, optional
+            Frequency range of the spectral fits, Hz.
         """
         bands = tuple(_band(name, "leave_out", each) for each in leave_out)
         slowest = 0.0 if drift is None else _hertz(name, "drift", drift, drift)
@@ -143,10 +152,18 @@ class LeftOut:
         return Missing(frequencies, widths * bead.sampled_spectrum(frequencies, step, samples))
 
     def words(self, signal: Array, kept: Array, step: float, unit: str) -> str:
-        """Return a description of the exclusions from a signal (n,); "" without exclusions.
+        """Return a description of the exclusions from a signal; "" without exclusions.
 
-        `kept` (n,) is the remaining signal, `step`, s, the sampling interval, and `unit` "m" or
-        "V".
+        Parameters
+        ----------
+        signal : ndarray, shape (n,)
+            The signal.
+        kept : ndarray, shape (n,)
+            The remaining signal.
+        step : float
+            Sampling interval, s.
+        unit : str
+            Unit of the signal, "m" or "V".
         """
         taken = self.cosines(len(signal), step)
         parts = [f"the drift, {taken} cosines slower than {self.drift:.3g} Hz"] if taken else []

@@ -181,9 +181,18 @@ class Setup:
 
 
 def given_in_si(recording: str, name: str, value: QuantityLike | None, unit: str) -> float | None:
-    """Return the argument `name` in the SI unit `unit`; None if not given.
+    """Return an argument of a calibration in its SI unit; None if not given.
 
-    `recording` is the name of the recording, for error messages.
+    Parameters
+    ----------
+    recording : str
+        Name of the recording, for error messages.
+    name : str
+        Name of the argument.
+    value : float, str or quantity, optional
+        Its value.
+    unit : str
+        Its SI unit.
     """
     if value is None:
         return None

@@ -375,10 +375,20 @@ def inverse(information: Array) -> Array:
 def fitted(
     periodogram: Periodogram, start: TrappedBead, free: tuple[str, ...], tolerance: float = 1e-4
 ) -> WhittleFit:
-    """Return the maximum-likelihood fit of the parameters `free`, starting at the bead `start`.
+    """Return the maximum-likelihood fit of some parameters of a bead.
 
-    `tolerance` applies to the coordinates, and a tenth of it to the log-likelihood. Fits of
-    stiffness and drag alone use the simplex method, all others Fisher's scoring.
+    Fits of stiffness and drag alone use the simplex method, all others Fisher's scoring.
+
+    Parameters
+    ----------
+    periodogram : Periodogram
+        Periodogram of the positions.
+    start : TrappedBead
+        Start of the fit.
+    free : tuple of str
+        Names of the fitted parameters.
+    tolerance : float, optional
+        Tolerance of the coordinates. A tenth of it applies to the log-likelihood.
     """
     if not set(free) <= set(MOTION) or periodogram.beside:
         return _scored(periodogram, start, free, tolerance)

@@ -158,8 +158,19 @@ def writable_result(
 ) -> Path:
     """Return the path of a result, report or scene; refuse to replace a file that must be kept.
 
-    `obstacle` returns the reason why an existing file must not be replaced without --overwrite, or
-    "" if it may be. `option` is the option with which the user can choose another file.
+    Parameters
+    ----------
+    path : Path
+        File to write.
+    formats : tuple of str
+        Allowed endings.
+    overwrite : bool
+        Whether an existing file may be replaced.
+    obstacle : callable, optional
+        Function that returns the reason why an existing file must not be replaced without
+        --overwrite, or "" if it may be.
+    option : str, optional
+        Option with which the user can choose another file.
     """
     path = writable(path, formats)
     if path != STANDARD_OUTPUT and path.exists() and not overwrite and (reason := obstacle(path)):

@@ -116,7 +116,19 @@ def words(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def store(typing: Any, array: Any, at: Any, value: Any) -> Any:  # noqa: ARG001
-    """Store eight numbers or words in a contiguous array, beginning at flat index `at`."""
+    """Store eight numbers or words in a contiguous array.
+
+    Parameters
+    ----------
+    typing : Context
+        Typing context of numba.
+    array : types.Array
+        The array.
+    at : types.Integer
+        Flat index of the first of the eight.
+    value : types.Type
+        The numbers or words.
+    """
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         place = _place(context, builder, signature.args, *values[:2])
@@ -234,7 +246,17 @@ def as_words(typing: Any, value: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def chosen(typing: Any, which: Any, some: Any, others: Any) -> Any:  # noqa: ARG001
-    """Return eight numbers: of `some` where the word of `which` is nonzero, else of `others`."""
+    """Return eight numbers, each chosen from two.
+
+    Parameters
+    ----------
+    typing : Context
+        Typing context of numba.
+    which : types.Type
+        Words: nonzero for a number of `some`, 0 for one of `others`.
+    some, others : types.Type
+        The numbers.
+    """
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         zeros = ir.Constant(values[0].type, None)
@@ -291,14 +313,36 @@ def columns(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def add_columns(typing: Any, array: Any, at: Any, x: Any, y: Any, z: Any) -> Any:  # noqa: ARG001
-    """Add three columns to eight rows of a contiguous array (n, 3), starting at flat index `at`."""
+    """Add three columns to eight rows of a contiguous array (n, 3).
+
+    Parameters
+    ----------
+    typing : Context
+        Typing context of numba.
+    array : types.Array
+        The array.
+    at : types.Integer
+        Flat index of the first row.
+    x, y, z : types.Type
+        The columns.
+    """
     return types.none(array, types.intp, _LANES, _LANES, _LANES), _rows_stored(add=True)
 
 
 @intrinsic
 def store_columns(typing: Any, array: Any, at: Any, x: Any, y: Any, z: Any) -> Any:  # noqa: ARG001
-    """Store three columns in eight rows of a contiguous array (n, 3), beginning at flat index
-    `at`.
+    """Store three columns in eight rows of a contiguous array (n, 3).
+
+    Parameters
+    ----------
+    typing : Context
+        Typing context of numba.
+    array : types.Array
+        The array.
+    at : types.Integer
+        Flat index of the first row.
+    x, y, z : types.Type
+        The columns.
     """
     return types.none(array, types.intp, _LANES, _LANES, _LANES), _rows_stored(add=False)
 

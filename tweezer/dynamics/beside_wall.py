@@ -126,11 +126,20 @@ def rate_of_sticking(problem: Problem) -> float:
 
 
 def held(problem: Problem, walls: Walls, kT: float, normal: Array) -> Array:
-    """Return initial displacements from the trap, (n, 3) m, of beads that are trapped beside a
-    wall.
+    """Return initial displacements from the trap, (n, 3) m, of beads trapped beside a wall.
 
-    They follow the Gaussian distribution of the trap's spring, cut off at contact. kT: J. normal:
-    (n, 3) standard normal numbers.
+    They follow the Gaussian distribution of the trap's spring, cut off at contact.
+
+    Parameters
+    ----------
+    problem : Problem
+        Bead, medium and forces.
+    walls : Walls
+        The walls.
+    kT : float
+        Thermal energy, J.
+    normal : ndarray, shape (n, 3)
+        Standard normal numbers.
     """
     trap = problem.equilibrium
     assert trap is not None

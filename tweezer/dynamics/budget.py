@@ -59,11 +59,21 @@ def error_budget(
 ) -> ErrorBudget:
     """Return the errors of a run: the largest up to its end, located on the dense output.
 
-    `position` (n, 3), m, contains the output of the run; `events` are located in the finer run too.
     The errors are unknown if the run or the estimate was interrupted. Runs with more steps than
     `MOST_HELD`, which exceed the memory, are compared at the output times alone. The error of a
     continued run includes the error of the earlier run, because the finer run continues from its
     own end.
+
+    Parameters
+    ----------
+    equations : EquationsOfMotion
+        Equations of the run.
+    run : Integration
+        The run.
+    position : ndarray, shape (n, 3)
+        Output of the run, m.
+    events : sequence of Event, optional
+        Events to locate in the finer run too.
     """
     begin = equations.begin
     if run.status == "interrupted" or (begin is not None and begin.finer is None):

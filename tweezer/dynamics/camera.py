@@ -70,8 +70,16 @@ class Frames:
         return (self.opens + self.closes) / 2
 
     def numbers(self, seed: int, trajectory: int, first: int, last: int) -> Array:
-        """Return normal random numbers (ROWS, last - first) of the frames from `first` to before
-        `last`.
+        """Return normal random numbers (ROWS, last - first) of some frames.
+
+        Parameters
+        ----------
+        seed : int
+            Seed of the run.
+        trajectory : int
+            Number of the trajectory.
+        first, last : int
+            First frame, and the frame after the last one.
         """
         drawn = np.empty((ROWS, last - first))
         noise.normals(seed, np.arange(first, last), trajectory, noise.CAMERA, drawn)
@@ -139,12 +147,21 @@ class Exposure:
     def expose(
         self, seed: int, trajectories: Integers, steps: int, places: Array, held: Array
     ) -> Array:
-        """Return the recorded positions in the frames that end within some steps, (n, frames, axes)
-        m.
+        """Return the recorded positions, (n, frames, axes) m, in the frames that end within some
+        steps.
 
-        places: (n, m + 1, 3) positions after `steps` steps and after each of the next m, m. held:
-        (n, HELD) integrals of the frame being exposed, updated in place. seed, trajectories: select
-        the random numbers.
+        Parameters
+        ----------
+        seed : int
+            Seed of the run.
+        trajectories : ndarray of int, shape (n,)
+            Numbers of the trajectories, which select the random numbers together with `seed`.
+        steps : int
+            Number of steps before the first position.
+        places : ndarray, shape (n, m + 1, 3)
+            Positions after `steps` steps and after each of the next m, m.
+        held : ndarray, shape (n, HELD)
+            Integrals of the frame being exposed, updated in place.
         """
         frames, last = self.frames, steps + places.shape[1] - 1
         first, done = self.closed(steps), self.closed(last)

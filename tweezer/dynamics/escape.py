@@ -104,10 +104,21 @@ def too_shallow(ways: Iterable[Escape]) -> str:
 def escapes(
     scene: Scene, search: Search, net_force: NetForce, origin: Array, *, symmetric: bool
 ) -> tuple[Escape, ...]:
-    """Return the escapes from the equilibrium `origin` (3,), m, one for each of `DIRECTIONS`.
+    """Return the escapes from an equilibrium, one for each of `DIRECTIONS`.
 
-    symmetric: whether the force is rotationally symmetric about the axis and the origin on it; then
-    one lateral direction is computed for all.
+    Parameters
+    ----------
+    scene : Scene
+        Scene of the trap.
+    search : Search
+        Lengths of the search.
+    net_force : callable
+        Sum of all forces but drag.
+    origin : ndarray, shape (3,)
+        The equilibrium, m.
+    symmetric : bool
+        Whether the force is rotationally symmetric about the axis and the origin on it. Then one
+        lateral direction is computed for all.
     """
     found: dict[str, Escape] = {}
     for name in DIRECTIONS:

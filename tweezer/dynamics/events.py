@@ -218,8 +218,17 @@ def ending(event: Event, time: float) -> str:
 def crossing(value: Callable[[Array], Array], begin: float, end: float, tolerance: float) -> float:
     """Return the time at which a function is 0, between two times at which its signs differ, s.
 
-    tolerance: of the result, s. The interval is divided into equal parts again and again, rather
-    than halved, because evaluating at many times costs as much as at one.
+    The interval is divided into equal parts again and again, rather than halved, because evaluating
+    at many times costs as much as at one.
+
+    Parameters
+    ----------
+    value : callable
+        Function of an array of times.
+    begin, end : float
+        Ends of the interval, s.
+    tolerance : float
+        Tolerance of the result, s.
     """
     while end - begin > tolerance:
         times = np.linspace(begin, end, _PARTS + 1)

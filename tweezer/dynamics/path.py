@@ -192,8 +192,16 @@ def passage(
 ) -> tuple[Passage, Passage]:
     """Return the passage of a motion, and the accuracy of its location on the dense output.
 
-    `events` are the events of the run, including its closest approach. `rest` is the position at
-    which the bead settles, as in `distances_from`; `near` is its largest distance from there, m.
+    Parameters
+    ----------
+    path : Path
+        Dense output of the run.
+    events : sequence of Occurrence
+        Events of the run, including its closest approach.
+    rest : ndarray
+        Position or ring at which the bead settles, as in `distances_from`, m.
+    near : float
+        Largest distance from `rest` that counts as near, m.
     """
     times = path.checkpoints
     close = path.position_tolerance

@@ -268,11 +268,26 @@ class Walk:
         return states[:, self.layout.first("lost_time")]
 
     def advance(self, states: Array, trajectories: Integers, sample: int, out: Array) -> None:
-        """Advance `states` from times[sample] to times[sample + out.shape[1]], in place.
+        """Advance states over some samples, in place.
 
-        out: (n, s, len(columns)), filled with the samples after `sample`; NaN once a bead is lost.
         Other threads can run meanwhile. Results do not depend, to the last bit, on how trajectories
-        are grouped and times divided. Raises `IntegrationError` if a position is not finite.
+        are grouped and times divided.
+
+        Parameters
+        ----------
+        states : ndarray, shape (n, state)
+            States at times[sample], which become those at times[sample + out.shape[1]].
+        trajectories : ndarray of int, shape (n,)
+            Numbers of the trajectories.
+        sample : int
+            Number of the sample at which the states are.
+        out : ndarray, shape (n, s, len(columns))
+            Array to fill with the samples after `sample`; NaN once a bead is lost.
+
+        Raises
+        ------
+        IntegrationError
+            If a position is not finite.
         """
         self._advance(states, trajectories, sample, out, self.plan)
 
@@ -302,8 +317,19 @@ class Walk:
     def filmed(self, states: Array, trajectories: Integers, sample: int, out: Array) -> Array:
         """Advance as `advance`; return the positions that the camera records, (n, frames, axes) m.
 
-        They are those of the frames that end meanwhile; NaN once a bead is lost; no frames without
-        a camera.
+        They are the positions in the frames that end meanwhile; NaN once a bead is lost. Without a
+        camera there are no frames.
+
+        Parameters
+        ----------
+        states : ndarray, shape (n, state)
+            States at times[sample], advanced in place.
+        trajectories : ndarray of int, shape (n,)
+            Numbers of the trajectories.
+        sample : int
+            Number of the sample at which the states are.
+        out : ndarray, shape (n, s, len(columns))
+            Array to fill with the samples after `sample`.
         """
         if self.exposure is None:
             self.advance(states, trajectories, sample, out)

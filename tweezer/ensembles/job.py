@@ -74,8 +74,18 @@ class Job:
         """Return the job, divided into blocks and windows.
 
         A window of a block takes at most 25 MB of memory. A block has more than 64 trajectories
-        only if each of its windows still takes less than some seconds. `bound` contains the
-        equations of motion and the times of samples; `skipped` and `out` are the fields.
+        only if each of its windows still takes less than some seconds.
+
+        Parameters
+        ----------
+        bound : Walk
+            Equations of motion and times of samples.
+        trajectories : int
+            Number of trajectories.
+        skipped : int, optional
+            Number of the first sample of stationary statistics; None if trajectories are written.
+        out : Path, optional
+            File to write; None to keep the result in memory.
         """
         samples = len(bound.times)
         width = bound.shown.width if skipped is None else bound.shown.blocks["position"]

@@ -94,12 +94,23 @@ class Drag(ABC):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Mobility:
-        """Return the five mobilities at `positions` (n, 3), m from the focus, and their gradients
-        if asked.
+        """Return the five mobilities at positions of the bead, and their gradients if requested.
 
-        time: s, one or (n,). orientations: (n, 4) Euler parameters of length 1, for a drag that
-        depends on them; (1, 0, 0, 0) if not given. Raises `SceneError` for positions of another
-        shape.
+        Parameters
+        ----------
+        positions : ndarray, shape (n, 3)
+            Positions from the focus, m.
+        gradient : bool, optional
+            Whether to compute gradients too.
+        time : float or ndarray, shape (n,), optional
+            Time, s.
+        orientations : ndarray, shape (n, 4), optional
+            Euler parameters of length 1, for a drag that depends on them. Default: (1, 0, 0, 0).
+
+        Raises
+        ------
+        SceneError
+            For positions of another shape.
         """
         places = np.require(positions, np.float64, ["C", "W"])
         n = len(places)

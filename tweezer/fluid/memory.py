@@ -77,9 +77,22 @@ def single(time: float) -> Modes:
 def modes(mass: float, drag: float, displaced_mass: float, poles: int) -> Modes:
     """Return the modes of a sphere, one more than `poles`, from the slowest to the fastest.
 
-    mass: of the bead alone, kg. drag: steady drag beta, kg/s. displaced_mass: mass m_f of the fluid
-    in the bead's place, kg; if it is 0, there is one mode with the time m/beta. poles: number of
-    poles of the memory. Raises `SceneError` for a number of poles without a table.
+    Parameters
+    ----------
+    mass : float
+        Mass of the bead alone, kg.
+    drag : float
+        Steady drag beta, kg/s.
+    displaced_mass : float
+        Mass m_f of the fluid in the bead's place, kg. If it is 0, there is one mode with the time
+        m/beta.
+    poles : int
+        Number of poles of the memory.
+
+    Raises
+    ------
+    SceneError
+        For a number of poles without a table.
     """
     if poles not in NODES:
         raise SceneError(f"medium.poles = {poles}: allowed: {', '.join(map(str, NODES))}")

@@ -146,9 +146,18 @@ def equilibria(
 ) -> Iterator[Equilibrium]:
     """Yield the equilibria on the axis: positions where the net force changes its sign.
 
-    radius: of the bead, m. search: lengths of the search. field: force whose gradient is the
-    stiffness. net_force: sum of all forces but drag. spiral_rate: rate of a growing spiral about a
-    position, see `SpiralRate`.
+    Parameters
+    ----------
+    radius : float
+        Radius of the bead, m.
+    search : Search
+        Lengths of the search.
+    field : callable
+        Force whose gradient is the stiffness.
+    net_force : callable
+        Sum of all forces but drag.
+    spiral_rate : callable
+        Rate of a growing spiral about a position, see `SpiralRate`.
     """
     for z in _zeros_on_axis(FOCUS, radius, search, net_force):
         yield equilibrium_at(np.array([0.0, 0.0, z]), search, field, net_force, spiral_rate)
@@ -162,10 +171,25 @@ def equilibria_about(
     net_force: NetForce,
     spiral_rate: SpiralRate,
 ) -> Iterator[Equilibrium]:
-    """Yield the equilibria near the axes of several foci, (n, 3) m; arguments as of `equilibria`.
+    """Yield the equilibria near the axes of several foci.
 
-    They are sought by Newton's method (`scipy.optimize.root`) from the focus and from every change
-    of sign of the axial force on its axis, which is searched up to the other foci at least.
+    They are searched by Newton's method (`scipy.optimize.root`) from the focus and from every
+    change of sign of the axial force on its axis, which is searched up to the other foci at least.
+
+    Parameters
+    ----------
+    foci : ndarray, shape (n, 3)
+        The foci, m.
+    radius : float
+        Radius of the bead, m.
+    search : Search
+        Lengths of the search.
+    field : callable
+        Force whose gradient is the stiffness.
+    net_force : callable
+        Sum of all forces but drag.
+    spiral_rate : callable
+        Rate of a growing spiral about a position, see `SpiralRate`.
     """
     apart = np.linalg.norm(foci[:, None] - foci, axis=2).max()
     search = search._replace(reach=min(max(search.reach, float(apart)), search.known / 2))
@@ -314,9 +338,16 @@ def opposite(component: Component) -> Component:
 
 
 def end_of_pull(pull: Component, start: float, stop: float, tolerance: float) -> float:
-    """Return the distance between `start` and `stop` at which `pull` ceases to be positive, m.
+    """Return the distance at which a pull ceases to be positive, m.
 
-    It is positive from `start` on, but for rounding. tolerance: of the distance, m.
+    Parameters
+    ----------
+    pull : callable
+        Pull at a distance. It is positive from `start` on, except for rounding.
+    start, stop : float
+        Range of distances, m.
+    tolerance : float
+        Tolerance of the distance, m.
     """
 
     def pulls(distance: float) -> float:

@@ -103,9 +103,20 @@ class LightForce(Force):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """Return force and moment at `positions`; see `Force.field`.
+        """Return force and moment at positions of the bead; see `Force.field`.
 
-        The bound kernel is kept: to look it up takes as long as the force.
+        The bound kernel is kept, because to look it up takes as long as the force.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (n, 3)
+            Positions from the focus, m.
+        gradient : bool, optional
+            Whether to compute gradients too.
+        time : float or ndarray, shape (n,), optional
+            Time, s.
+        orientations : ndarray, shape (n, 4), optional
+            Euler parameters.
         """
         if gradient not in self._parts:
             self._parts[gradient] = bound(self, gradient=gradient)
@@ -168,11 +179,21 @@ class LightForce(Force):
 
 
 def error_by(certain: Force, positions: Array, field: Wrench, time: float | Array) -> Array:
-    """Return the error of the force of `field`, (n,) N.
+    """Return the error of the force of a field, (n,) N.
 
     It is the field's own estimate, if that is known for all positions. If any of it is NaN, all
-    errors are differences from the force `certain`, plus the error of that. positions: (n, 3) m;
-    time: s, one or (n,).
+    errors are differences from the force `certain`, plus the error of that force.
+
+    Parameters
+    ----------
+    certain : Force
+        Force to compare with.
+    positions : ndarray, shape (n, 3)
+        Positions from the focus, m.
+    field : Wrench
+        Force and moment at these positions.
+    time : float or ndarray, shape (n,)
+        Time, s.
     """
     if not np.isnan(field.error).any():
         return field.error

@@ -35,9 +35,20 @@ class Mapped(LightForce):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """Return force and moment at `positions`; see `Force.field`.
+        """Return force and moment at positions of the bead; see `Force.field`.
 
         The quadrature is compiled only if a position is out of the table's range.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (n, 3)
+            Positions from the focus, m.
+        gradient : bool, optional
+            Whether to compute gradients too.
+        time : float or ndarray, shape (n,), optional
+            Time, s.
+        orientations : ndarray, shape (n, 4), optional
+            Euler parameters.
         """
         if gradient not in self._parts:
             kernel = address(self.made.kernel(gradient=gradient), KERNEL)

@@ -126,9 +126,18 @@ def stored(
 ) -> tuple[AnyMade, Path | None]:
     """Return the table of a key, and its file; None if it could not be written.
 
-    The table is taken from memory or from the user's cache folder, or else computed by `make`.
-    tolerance: wanted error, as a part of the largest force; a larger one is a warning. kind: class
-    of the tables that `make` returns.
+    The table is taken from memory or from the user's cache folder, or else computed.
+
+    Parameters
+    ----------
+    key : str
+        Key of the table.
+    tolerance : float
+        Wanted error, as a fraction of the largest force. A larger error gives a warning.
+    kind : type
+        Class of the tables that `make` returns.
+    make : callable
+        Function that computes the table.
     """
     if key in _in_memory:
         return _in_memory[key]

@@ -45,11 +45,22 @@ def draw_walls(axes: Axes, scene: Scene, reach: float) -> None:
 
 
 def draw_cones(axes: Axes, scene: Scene, reach: float, direction: np.ndarray, **how: Any) -> None:
-    """Draw the cone of light of each beam before and behind its focus, beyond the edges of the
-    figure.
+    """Draw the cone of light of each beam on both sides of its focus, beyond the figure's edges.
 
-    `reach` is half the height of the figure, um. `direction` (2,) is the unit vector in the plane
-    of x and y along the figure's horizontal axis. Moving beams are drawn at their rest position.
+    Moving beams are drawn at their rest position.
+
+    Parameters
+    ----------
+    axes : Axes
+        Axes to draw in.
+    scene : Scene
+        Scene with the beams.
+    reach : float
+        Half the height of the figure, um.
+    direction : ndarray, shape (2,)
+        Unit vector in the plane of x and y along the figure's horizontal axis.
+    **how
+        Style of the cones.
     """
     length = 3 * reach
     for beam in scene.beams:

@@ -74,7 +74,23 @@ class Reading:
     ) -> Self:
         """Return the options from arguments in the forms that `load_recording` accepts.
 
-        Raises `ResultError`, naming the option, for an invalid value.
+        Parameters
+        ----------
+        columns : str, sequence of str or mapping, optional
+            Columns to read.
+        rate : float or str, optional
+            Sampling rate, Hz.
+        scale : float or str, optional
+            Size of a pixel or a volt, m.
+        drive : str, optional
+            Heading of the column with the motion of the stage.
+        bead : str or int, optional
+            Bead to read from a table of several.
+
+        Raises
+        ------
+        ResultError
+            For an invalid value, with the name of the option.
         """
         chosen, in_order = ((), 0) if columns is None else _columns(columns)
         return cls(

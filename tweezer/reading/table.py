@@ -69,8 +69,19 @@ def columns_of(
 ) -> list[Column]:
     """Return the columns of an array with one or two dimensions; none if it is not a table.
 
-    The longer axis counts samples, the shorter one columns. `name`, `heading`, `unit` and `shape`
-    describe the array. Several columns are numbered, as in "name:1".
+    The longer axis counts samples, the shorter one columns. Several columns are numbered, as in
+    "name:1".
+
+    Parameters
+    ----------
+    name : str
+        Name of the array.
+    heading : str
+        Its heading.
+    shape : sequence of int
+        Its shape.
+    unit : str, optional
+        Its unit.
     """
     samples = max(shape, default=0)
     if len(shape) == 1 or (len(shape) == 2 and min(shape) == 1 < samples):

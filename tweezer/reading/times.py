@@ -44,9 +44,23 @@ def at_even_times(name: str, times: Array, rate: float) -> tuple[Array, str]:
 def of_frames(name: str, frames: Array, times: Array, rate: float) -> str:
     """Compare frame numbers at a given rate with their times, and return a note.
 
-    The note is "" if they agree. Raises `ResultError` if they disagree. `name` is the name of the
-    recording, for messages. `frames` (n,) are the frame numbers, `times` (n,) are in s, and `rate`
-    is the frame rate, Hz.
+    The note is "" if they agree.
+
+    Parameters
+    ----------
+    name : str
+        Name of the recording, for messages.
+    frames : ndarray, shape (n,)
+        Frame numbers.
+    times : ndarray, shape (n,)
+        Times of the frames, s.
+    rate : float
+        Frame rate, Hz.
+
+    Raises
+    ------
+    ResultError
+        If they disagree.
     """
     both = np.isfinite(frames) & np.isfinite(times)
     steps = np.abs(np.diff(times[both]))

@@ -76,7 +76,19 @@ class Run:
 
 
 def variable(dimensions: tuple[str, ...], values: Array, units: str, long_name: str) -> Variable:
-    """Return a variable of a run: dimensions, values, and attributes with unit and long name."""
+    """Return a variable of a run: dimensions, values, and attributes with unit and long name.
+
+    Parameters
+    ----------
+    dimensions : tuple of str
+        Names of the dimensions.
+    values : ndarray
+        Values, in the unit.
+    units : str
+        Unit.
+    long_name : str
+        Description in words.
+    """
     return dimensions, values, {"units": units, "long_name": long_name}
 
 

@@ -16,13 +16,13 @@ from tweezer.values.arrays import Array
 def derived_quantities(
     problem: Problem, times: Array, motion: Motion, light: Wrench
 ) -> dict[str, Variable]:
-    """Return the variables that follow from a motion at `times` (n,) s, with its optical force.
+    """Return the variables that follow from a motion, with its optical force.
 
     * optical_force: force of the light (3.26), N
     * force_error: error of the optical force, N. It is NaN until `force_errors` sets it.
     * net_force: all forces but drag, the thesis's net motion force Gamma_others (4.2), N
-    * net_force_error: error of the net force, N, with the user's own forces. `force_errors`
-      sets it too.
+    * net_force_error: error of the net force, N, with the user's own forces. `force_errors` sets it
+      too.
     * speed: speed of the bead, m/s
     * terminal_speed: |net_force|/beta_v (5.2), with the drag at the position, m/s
     * reynolds_number: 2 rho_m v r/mu_m (5.1)
@@ -33,6 +33,17 @@ def derived_quantities(
     * gap: distance of the bead's surface from the nearer wall, m, if there is a wall
 
     Without a velocity there is no speed, Reynolds number, kinetic or total energy.
+
+    Parameters
+    ----------
+    problem : Problem
+        Bead, medium and forces.
+    times : ndarray, shape (n,)
+        Times, s.
+    motion : Motion
+        The motion at these times.
+    light : Wrench
+        Optical force at these times.
     """
     scene, bead, places = problem.scene, problem.bead, motion.position
     weight = np.array(bead.weight)
@@ -94,11 +105,22 @@ def fault_at(problem: Problem, times: Array, motion: Motion) -> str:
 def force_errors(
     problem: Problem, times: Array, motion: Motion, light: Wrench
 ) -> dict[str, Variable]:
-    """Return the errors of the forces in a motion at `times` (n,), s, with its optical force.
+    """Return the errors of the forces in a motion.
 
     * force_error: error of the optical force, N. It is estimated, or certified by the force map.
       For the thesis's grid it is the deviation from the quadrature.
     * net_force_error: error of all forces, N, with the user's own forces
+
+    Parameters
+    ----------
+    problem : Problem
+        Bead, medium and forces.
+    times : ndarray, shape (n,)
+        Times, s.
+    motion : Motion
+        The motion at these times.
+    light : Wrench
+        Optical force at these times.
     """
     places = motion.position
     of_light = problem.light.error_of(places, light, times)

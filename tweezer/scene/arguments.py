@@ -28,9 +28,25 @@ def in_si(
     high: float = math.inf,
     error: type[TweezerError] = SceneError,
 ) -> float:
-    """Return an argument in its SI unit, which must be from `low` to `high`.
+    """Return an argument in its SI unit, converted by `tweezer.values.units.to_si`.
 
-    It is converted by `tweezer.values.units.to_si`. Raises `error`, which names the argument.
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : float, str or quantity
+        Its value.
+    unit : str
+        Its SI unit.
+    low, high : float, optional
+        Allowed range.
+    error : type, optional
+        Class of the error.
+
+    Raises
+    ------
+    TweezerError
+        The class `error`, with the name of the argument, for an invalid value.
     """
     try:
         return to_si(value, unit, low, high)
@@ -41,7 +57,19 @@ def in_si(
 def numbers_in_si(
     name: str, values: Any, unit: str, error: type[TweezerError] = ResultError
 ) -> NDArray[np.float64]:
-    """Return an array argument in SI units, converted by `tweezer.values.units.array_in_si`."""
+    """Return an array argument in SI units, converted by `tweezer.values.units.array_in_si`.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    values : array_like
+        Its values.
+    unit : str
+        Its SI unit.
+    error : type, optional
+        Class of the error for invalid values.
+    """
     try:
         return array_in_si(values, unit)
     except ValueError as refused:
@@ -81,7 +109,27 @@ def check_ensemble(
     scheduler: str | Client | None,
     workers: int | None,
 ) -> None:
-    """Raise `SceneError` or `ResultError` for invalid arguments of `tweezer.ensemble`."""
+    """Raise `SceneError` or `ResultError` for invalid arguments of `tweezer.ensemble`.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene of the ensemble.
+    trajectories : int
+        Number of trajectories.
+    seed : int
+        Seed of the random numbers.
+    out : str or Path, optional
+        File to write.
+    statistics : bool
+        Whether statistics are computed.
+    skip : float or str
+        Time to omit from the statistics, s.
+    scheduler : str or distributed.Client, optional
+        Dask scheduler.
+    workers : int, optional
+        Number of threads.
+    """
     for name, value in (
         ("trajectories", trajectories),
         ("workers", 1 if workers is None else workers),

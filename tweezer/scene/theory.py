@@ -45,8 +45,25 @@ def chosen_theory(
 ) -> Choice:
     """Return the theory that a lit scene names, or wave optics if it applies and is fast enough.
 
-    Raises a scene error for a theory that does not apply. `loss_distance` is the largest distance
-    of the bead from the focus, m.
+    Parameters
+    ----------
+    optics : Optics
+        Section with the theory.
+    bead : Bead
+        The bead.
+    medium : Medium
+        The medium.
+    lens : Lens
+        The lens.
+    beams : sequence of Beam
+        The beams.
+    loss_distance : float
+        Largest distance of the bead from the focus, m.
+
+    Raises
+    ------
+    PydanticCustomError
+        For a theory that does not apply.
     """
     without = {"rays": no_rays(bead, lens, beams), "waves": no_waves(optics, beams)}
     asked = optics.theory

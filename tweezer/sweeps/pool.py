@@ -45,11 +45,21 @@ _AHEAD = 2
 
 
 def tasks_of(cases: Cases, of: str, left: set[int], workers: int) -> list[Task]:
-    """Return the unfinished cases, `left`, as tasks, the longest task first.
+    """Return the unfinished cases as tasks, the longest task first.
 
-    `of` is the kind of sweep. For traps, a task contains cases that differ only in the power of the
-    light, so that the force is computed once and then scaled; its size depends on the number of
-    `workers`. Otherwise each task is one case.
+    For traps, a task contains cases that differ only in the power of the light, so that the force
+    is computed once and then scaled. Otherwise each task is one case.
+
+    Parameters
+    ----------
+    cases : Cases
+        Cases of the sweep.
+    of : str
+        Kind of sweep.
+    left : set of int
+        Numbers of the unfinished cases.
+    workers : int
+        Number of workers, on which the size of a task depends.
     """
     size = 1
     if of == "trap":

@@ -36,8 +36,16 @@ def dataset_of(
 ) -> xr.Dataset:
     """Return the result of a sweep as a dataset, in the order of its cases.
 
-    `of` is the kind of sweep, and `done` has the values of finished cases by number. Other cases
-    get the outcome "not computed" and NaN. `attributes` become those of the dataset.
+    Parameters
+    ----------
+    cases : Cases
+        Cases of the sweep.
+    of : str
+        Kind of sweep.
+    done : mapping of int to Values
+        Values of finished cases by number. Other cases get the outcome "not computed" and NaN.
+    attributes : mapping of str to str
+        Attributes of the dataset.
     """
     import xarray as xr
 

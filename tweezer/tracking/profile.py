@@ -89,16 +89,24 @@ class Fit(NamedTuple):
 
 
 def descend(misfit: Misfit, begin: Array, bounds: Array, steps: Array) -> Fit:
-    """Return the minimum that Newton's method reaches from `begin` (n,), within `bounds` (n, 2).
-
-    `misfit` is a function of n parameters, and `steps` (n,) are lengths over which it is
-    approximately a parabola.
+    """Return the minimum of a misfit that Newton's method reaches.
 
     Derivatives are central differences over lengths in which the misfit rises by about 1. The
-    absolute values of the curvature's eigenvalues are used, so the step descends (J. Nocedal and
-    S. J. Wright, Numerical Optimization, 2006, 3.4). A step is limited to ten of `steps`, and
-    halved until the misfit decreases. A parameter at its bound is fixed if the misfit decreases
-    beyond the bound.
+    absolute values of the curvature's eigenvalues are used, so the step descends (J. Nocedal and S.
+    J. Wright, Numerical Optimization, 2006, 3.4). A step is limited to ten of `steps`, and halved
+    until the misfit decreases. A parameter at its bound is fixed if the misfit decreases beyond the
+    bound.
+
+    Parameters
+    ----------
+    misfit : callable
+        Function of n parameters.
+    begin : ndarray, shape (n,)
+        Start of the search.
+    bounds : ndarray, shape (n, 2)
+        Bounds of the parameters.
+    steps : ndarray, shape (n,)
+        Lengths over which the misfit is approximately a parabola.
     """
     at, value, longest = begin, misfit(begin), 10 * steps
     curvature = np.full((len(at), len(at)), np.nan)

@@ -67,9 +67,16 @@ class Region:
     def share(self, across: Array, along: Array, begin: Slices, end: Slices) -> Array:
         """Return the fraction of each edge inside the ball, for edges that leave it.
 
-        The edges lead from the nodes in the part `begin` of the grid to those in `end`, their
-        neighbours along one coordinate. `across` are the distances from the axis and `along` the
-        heights, m.
+        The edges lead from nodes of the grid to their neighbours along one coordinate.
+
+        Parameters
+        ----------
+        across : ndarray
+            Distances of the nodes from the axis, m.
+        along : ndarray
+            Heights of the nodes, m.
+        begin, end : pair of slice
+            Parts of the grid with the nodes and with their neighbours.
         """
         rho = np.broadcast_to(across, (len(along), len(across)))
         z = np.broadcast_to(along[:, None], rho.shape)

@@ -105,9 +105,18 @@ def lifetime(
 ) -> Lifetime | None:
     """Return the lifetime of a trap, as `Trap.lifetime` describes it; None if it has none.
 
-    `held` is the equilibrium or ring that holds the bead, and `escapes` are its straight ways out.
-    `reach`, m, is the distance to which the trap was searched, and `force_error`, N, the error of
-    the force.
+    Parameters
+    ----------
+    scene : Scene
+        Scene of the trap.
+    held : Equilibrium or Ring, optional
+        Equilibrium or ring that holds the bead.
+    escapes : tuple of Escape
+        Straight ways out of it.
+    reach : float
+        Distance to which the trap was searched, m.
+    force_error : float
+        Error of the force, N.
     """
     if held is None:
         return None
@@ -165,9 +174,18 @@ def doubt(
 ) -> str | None:
     """Return the effects that the lifetime neglects, or the reason why there is no lifetime.
 
-    Returns None if the lifetime exists and neglects nothing. `held` is the equilibrium or ring that
-    holds the bead, `reach`, m, the distance to which the trap was searched, and `absorbed_power`,
-    W, the power that the bead absorbs.
+    Returns None if the lifetime exists and neglects nothing.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene of the trap.
+    held : Equilibrium or Ring, optional
+        Equilibrium or ring that holds the bead.
+    reach : float
+        Distance to which the trap was searched, m.
+    absorbed_power : float, optional
+        Power that the bead absorbs, W.
     """
     if held is None:
         return None

@@ -33,7 +33,19 @@ def pair(value: float, error: float, unit: str) -> tuple[str, str]:
 
 
 def with_error(value: float, error: float | None, unit: str, sign: str = "+-") -> str:
-    """Return an SI number as text with its uncertainty, if known, and the unit."""
+    """Return an SI number as text with its uncertainty, if known, and the unit.
+
+    Parameters
+    ----------
+    value : float
+        The number, in SI units.
+    error : float, optional
+        Its uncertainty, in SI units.
+    unit : str
+        Unit of the text, such as "um".
+    sign : str, optional
+        Text between the number and its uncertainty.
+    """
     error = math.nan if error is None else scaled(error, unit)
     return f"{with_uncertainty(scaled(value, unit), error, sign)} {unit}".rstrip()
 

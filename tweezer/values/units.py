@@ -81,13 +81,25 @@ def registry() -> pint.UnitRegistry:
 
 
 def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf) -> float:
-    """Return a quantity as a number in the SI unit `unit`.
+    """Return a quantity as a number in an SI unit.
 
     A number without a unit is taken to be in that unit. Text, quantities of any pint registry, and
     xarray numbers with the attribute `units` are converted.
 
-    Raises `ValueError`, stating what is allowed, for anything else, for a value that is not finite,
-    and for a value outside `low` to `high`, which are in `unit`.
+    Parameters
+    ----------
+    value : float, str or quantity
+        The quantity.
+    unit : str
+        The SI unit.
+    low, high : float, optional
+        Allowed range, in `unit`.
+
+    Raises
+    ------
+    ValueError
+        For anything else, for a value that is not finite, and for a value outside the range. The
+        message states what is allowed.
     """
     value = without_unit(value, unit)
     if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):  # NumPy's

@@ -66,10 +66,23 @@ def programs() -> dict[str, str]:
 def film(
     page: Page, path: Path, seconds: float, progress: Callable[[float], None] | None = None
 ) -> Path:
-    """Write a film of a page as .mp4 or .gif, which covers its whole time span in `seconds`.
+    """Write a film of a page as .mp4 or .gif, which covers its whole time span.
 
-    `progress` is called with the completed fraction. Raises `ResultError` if a program is missing
-    or fails, and for a page without time.
+    Parameters
+    ----------
+    page : Page
+        The page.
+    path : Path
+        File to write.
+    seconds : float
+        Duration of the film, s.
+    progress : callable, optional
+        Called with the completed fraction.
+
+    Raises
+    ------
+    ResultError
+        If a program is missing or fails, and for a page without time.
     """
     where = programs()
     rate, how = FORMATS[path.suffix[1:].lower()]

@@ -21,10 +21,22 @@ def of_number(
 ) -> Row:  # fmt: skip
     """Return a line of the summary for a number, with as many digits as its error justifies.
 
-    The value and its error are in the SI unit `unit`. The error is None for a number without an
-    error, such as a given one, and NaN or infinite if it is unknown. A value that is not finite is
-    shown as not known. If `in_tables`, the number has the unit of figures and tables, otherwise a
-    prefix that suits its size.
+    Parameters
+    ----------
+    name : str
+        Name of the quantity.
+    value : float
+        Value in the SI unit `unit`. One that is not finite is shown as not known.
+    error : float, optional
+        Error, in the same unit. It is None for a number without an error, such as a given one, and
+        NaN or infinite if it is unknown.
+    unit : str, optional
+        The SI unit.
+    in_tables : bool, optional
+        Whether the number has the unit of figures and tables. Otherwise it has a prefix that suits
+        its size.
+    trusted : bool, optional
+        Whether the number can be trusted.
     """
     if not math.isfinite(value):
         return Row(name, NOT_KNOWN, "", trusted=False)

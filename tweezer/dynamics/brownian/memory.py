@@ -77,13 +77,13 @@ def axis(
     ----------
     h : float
         Length of the step, s.
-    times, parts : array, shape (n,)
-        Relaxation times tau_j (s) and weights a_j of the velocity modes.
+    times, parts : ndarray, shape (n,)
+        Relaxation times tau_j, s, and weights a_j of the velocity modes.
     kappa : float
         Stiffness over drag, 1/s; 0 without a spring.
     diffusion : float
-        kT/beta, m^2/s.
-    gone : float
+        Diffusion coefficient kT/beta, m^2/s.
+    gone : float, optional
         Fraction left after the step below which a combination of velocities is dropped.
     """
     n = len(times)

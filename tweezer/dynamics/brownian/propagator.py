@@ -114,9 +114,12 @@ def exact(h: float, tau: Array, kappa: Array, diffusion: Array) -> Weights:
     ----------
     h : float
         Length of the step, s.
-    tau, kappa, diffusion : array, shape (dims,)
-        Relaxation time of the velocity (s, 0 without inertia), stiffness over drag (1/s) and
-        kT/drag (m^2/s or rad^2/s).
+    tau : ndarray, shape (dims,)
+        Relaxation times of the velocity, s; 0 for a coordinate without inertia.
+    kappa : ndarray, shape (dims,)
+        Stiffness over drag, 1/s.
+    diffusion : ndarray, shape (dims,)
+        kT/drag, m^2/s or rad^2/s.
     """
     columns = [
         _inertial(h, *each) if each[0] > 0 else _overdamped(h, *each[1:])
@@ -132,11 +135,12 @@ def with_memory(h: float, times: Array, parts: Array, exact: Weights, diffusion:
     ----------
     h : float
         Length of the step, s.
-    times, parts : array, shape (n,)
-        Relaxation times tau_j (s) and weights a_j of the velocity modes.
+    times, parts : ndarray, shape (n,)
+        Relaxation times tau_j, s, and weights a_j of the velocity modes, see
+        `tweezer.dynamics.brownian.memory`.
     exact : Weights
         Coefficients without memory, whose springs and rotation are kept.
-    diffusion : array, shape (dims,)
+    diffusion : ndarray, shape (dims,)
         kT/drag, m^2/s or rad^2/s.
     """
     kappa = exact.kappa[TRANSLATION].tolist()
@@ -161,7 +165,8 @@ def with_memory(h: float, times: Array, parts: Array, exact: Weights, diffusion:
 
 
 def coupled(h: float, tau: Array, rates: Array, diffusion: Array) -> tuple[Array, Array]:
-    """Return the matrix of a step of (position, velocity), and a lower root of its covariance.
+    """Return the matrix of a step of (position, velocity) and a lower root of its noise's
+    covariance.
 
     The matrices of a short step are doubled: this adds covariances, so no digits cancel.
 
@@ -169,12 +174,13 @@ def coupled(h: float, tau: Array, rates: Array, diffusion: Array) -> tuple[Array
     ----------
     h : float
         Length of the step, s.
-    tau : array, shape (3,)
-        Relaxation times, s. If they are 0, the matrices describe the position alone.
-    rates : array, shape (3, 3)
+    tau : ndarray, shape (3,)
+        Relaxation times, s; zeros without inertia, and then the matrices describe the position
+        alone.
+    rates : ndarray, shape (3, 3)
         Mobility times stiffness, 1/s.
-    diffusion : array, shape (3,)
-        kT/drag, m^2/s.
+    diffusion : ndarray, shape (3,)
+        Diffusion coefficients, m^2/s.
     """
     size = float(np.linalg.norm(rates, 2))
     sizes = [size * h]

@@ -149,10 +149,16 @@ def blocks(half_angle: float, reach: float) -> Blocks:
 
 
 def places(chart: Integers, x: Array, y: Array, half_angle: float) -> tuple[Array, Array]:
-    """Return (rho, z), in radii, at coordinates x, y (n, ...) of charts (n,).
+    """Return (rho, z), in radii, at coordinates of charts.
 
-    half_angle: of the cone of light, rad. Coordinates may be beyond the axis and w = 0, to which
-    nodes of a piece may reach.
+    Parameters
+    ----------
+    chart : ndarray of int, shape (n,)
+        Numbers of the charts.
+    x, y : ndarray, shape (n, ...)
+        Coordinates. They may be beyond the axis and w = 0, to which nodes of a piece may reach.
+    half_angle : float
+        Half angle of the cone of light, rad.
     """
     rho, z = np.empty(x.shape), np.empty(x.shape)
     for each in range(4):

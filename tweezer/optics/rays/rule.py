@@ -80,8 +80,16 @@ class Rule(NamedTuple):
 def rule(half_angle: float, series: Array, strength: float, tolerance: float) -> Rule:
     """Return the tables of nodes for a cone of light.
 
-    half_angle: of the cone, rad. series: Chebyshev coefficients of n_m/c times the power per solid
-    angle, N/sr, as in `Rule.series`. strength: n_m P/c, N. tolerance: relative, of the force.
+    Parameters
+    ----------
+    half_angle : float
+        Half angle of the cone, rad.
+    series : ndarray
+        Chebyshev coefficients of n_m/c times the power per solid angle, N/sr, as in `Rule.series`.
+    strength : float
+        n_m P/c, N.
+    tolerance : float
+        Relative tolerance of the force.
     """
     nodes, tail = _panel_tables()
     full = _summed_fast(series)

@@ -218,13 +218,30 @@ def build(
     moment: bool,
     progress: Progress | None = None,
 ) -> Made:
-    """Compute the table of the force `evaluate` for a cone of light, out to `reach` radii.
+    """Compute the table of a force for a cone of light.
 
-    half_angle: of the cone, rad. tolerance: error of the force, as a part of the largest within
-    reach. moment: whether the moment (3.25) is tabulated. progress: called with the finished part,
-    0 to 1. The certified error is twice the largest error at `_COMPARED` or more random positions,
-    plus that of the quadrature. Raises `TweezerError` if `evaluate` gives a force that is not
-    finite.
+    The certified error is twice the largest error at `_COMPARED` or more random positions, plus the
+    error of the quadrature.
+
+    Parameters
+    ----------
+    evaluate : callable
+        Force at positions.
+    half_angle : float
+        Half angle of the cone, rad.
+    tolerance : float
+        Error of the force, as a fraction of the largest force within reach.
+    reach : float
+        Largest distance from the focus, radii.
+    moment : bool
+        Whether to tabulate the moment (3.25).
+    progress : callable, optional
+        Called with the finished fraction, 0 to 1.
+
+    Raises
+    ------
+    TweezerError
+        If `evaluate` returns a force that is not finite.
     """
     started = time.perf_counter()
     task = _Task(evaluate, moment, charts.blocks(half_angle, reach), half_angle, reach)

@@ -48,9 +48,20 @@ class WavesByQuadrature(LightForce):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """Return force and moment at `positions`; see `Force.field`.
+        """Return force and moment at positions of the bead; see `Force.field`.
 
         Positions beyond the reach are computed with more nodes.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (n, 3)
+            Positions from the focus, m.
+        gradient : bool, optional
+            Whether to compute gradients too.
+        time : float or ndarray, shape (n,), optional
+            Time, s.
+        orientations : ndarray, shape (n, 4), optional
+            Euler parameters.
         """
         if (there := self._reaching(positions)) is not self:
             return there.field(positions, gradient=gradient)

@@ -67,10 +67,18 @@ class State:
 
 
 def states(polarisation: str, jones: Array, vortex: int, *, face: bool) -> tuple[State, ...]:
-    """Return the polarised states whose forces add up to that of the light in a pupil.
+    """Return the polarised states whose forces add up to the force of the light in a pupil.
 
-    polarisation, vortex: settings of the beam. jones: (4,) the Jones vector of linear light as
-    (re, im) pairs. face: whether the light passes a plane face before the focus.
+    Parameters
+    ----------
+    polarisation : str
+        Polarisation of the beam.
+    jones : ndarray, shape (4,)
+        Jones vector of linear light as (re, im) pairs.
+    vortex : int
+        Vortex charge of the beam.
+    face : bool
+        Whether the light passes a plane face before the focus.
     """
     if polarisation in ("radial", "azimuthal"):
         along, half = polarisation == "radial", math.sqrt(0.5)

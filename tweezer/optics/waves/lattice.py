@@ -146,16 +146,33 @@ def build(
     moment: bool,
     progress: Progress | None = None,
 ) -> Lattice:
-    """Compute the table of a force within `reach` of the focus.
+    """Compute the table of a force around the focus.
 
-    evaluate: returns the force at positions. band: largest wave numbers of the force across and
-    along the light, in k. reach: in 1/k. tolerance: as a part of the largest force. symmetric:
-    whether the light is the same all around its axis. moment: whether the moment is tabled too.
-    progress: called with the part that is done.
+    Pieces are made smaller until the table's error is below `tolerance` of the largest force at
+    random positions. The certified error is twice the sum of its largest error there and the
+    largest error of the force itself.
 
-    Pieces are made smaller until the table errs by less than `tolerance` of the largest force at
-    random places. The certified error is twice the sum of its largest error there and the largest
-    error of the force itself. Raises `SceneError` for a range of too many pieces.
+    Parameters
+    ----------
+    evaluate : callable
+        Force at positions.
+    band : pair of float
+        Largest wave numbers of the force across and along the light, in k.
+    reach : float
+        Largest distance from the focus, 1/k.
+    tolerance : float
+        Error of the force, as a fraction of the largest force.
+    symmetric : bool
+        Whether the light is rotationally symmetric about its axis.
+    moment : bool
+        Whether to tabulate the moment too.
+    progress : callable, optional
+        Called with the finished fraction.
+
+    Raises
+    ------
+    SceneError
+        For a range of too many pieces.
     """
     began = time.perf_counter()
     half_width = _HALF_WIDTH * (tolerance / 1e-7) ** (1 / ORDER)

@@ -75,7 +75,21 @@ class Filled(Section):
 
 
 def with_half(data: Any, key: str, other: str, low: float, high: float) -> Any:
-    """Return `data` with `other` replaced by `key` = `other`/2; exactly one must be given."""
+    """Return data of a section in which a key replaces its alternative, which is twice as large.
+
+    Exactly one of the two must be given.
+
+    Parameters
+    ----------
+    data : mapping
+        Keys and values of the section.
+    key : str
+        Key to set, such as "radius".
+    other : str
+        Its alternative, such as "diameter".
+    low, high : float
+        Allowed range of `key`.
+    """
     if not isinstance(data, dict):
         return data
     exactly_one(data, key, other)
