@@ -82,7 +82,7 @@ def error_budget(
         return ErrorBudget(0.0, None)
     try:
         finer, integration_error = _of_integration(equations, run, position, events)
-    except KeyboardInterrupt:  # the run itself is whole
+    except KeyboardInterrupt:  # the run itself is complete
         return ErrorBudget(math.nan, None)
     return ErrorBudget(integration_error, finer)
 
@@ -158,8 +158,8 @@ def _finer_steps(equations: EquationsOfMotion, run: Integration) -> Array:
     """Return the lengths of the steps of the finer run, s: half as long as the run's.
 
     Where the force jumps, and at the beginning, a series of ever longer steps resolves the
-    relaxation of the velocity: a step much longer than the relaxation passes over it, and so would
-    half of it.
+    relaxation of the velocity. A step much longer than the relaxation does not resolve it, and
+    neither would half of that step.
     """
     lengths = run.step_lengths
     begin = equations.begin_time
@@ -208,7 +208,7 @@ def _lag(equations: EquationsOfMotion, run: Integration) -> float:
 
 
 def _compiled(equations: EquationsOfMotion) -> Problem | None:
-    """Return the problem with a compiled method that suits its equations; None if there is none."""
+    """Return the problem with a compiled method that suits its equations, or None."""
     method = "exponential" if equations.takes_drag_exactly else "dop853"
     if equations.takes_drag_exactly or not equations.inertial:
         return equations.problem.changed(method=method, step=None)

@@ -49,11 +49,11 @@ def decided(problem: Problem) -> tuple[Problem, str]:
     """Return a problem with a model, a method and fluid inertia, and the reasons for them.
 
     Values that the scene sets are kept. The relaxation time of the velocity is tau, and the fastest
-    rate of the trap is k/beta_v. Omitting inertia displaces a bead of radius r by about
-    r tau k/beta_v. The first-order model displaces it by r (tau k/beta_v)^2. The exponential method
+    rate of the trap is k/beta_v. Without inertia a bead of radius r is displaced by
+    about r tau k/beta_v, and in the first-order model by r (tau k/beta_v)^2. The exponential method
     integrates the unscaled equations at the cost of those without inertia, so the first-order model
-    is chosen only for bodies that this method cannot integrate. Omitting fluid inertia displaces
-    the bead by its lag (`Scene.lag`), which is more. So fluid inertia is part of the model `full`
+    is chosen only for bodies that this method cannot integrate. Without fluid inertia the bead is
+    displaced by its lag (`Scene.lag`), which is more. So fluid inertia is part of the model `full`
     if the exponential method integrates it.
 
     Raises `SceneError` if the scene names a memory that cannot be integrated.

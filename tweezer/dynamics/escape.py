@@ -42,8 +42,8 @@ _HALVINGS, _MOST_PLACES = 12, 20_000
 #: (Piessens et al., QUADPACK, 1983)
 _SHARPER = 200.0
 
-# Gauss's rule with 7 nodes and Kronrod's with 15, on [-1, 1] (Kronrod 1965): the nodes from 0 on,
-# and the weights of both
+# Gauss's rule with 7 nodes and Kronrod's with 15, on [-1, 1] (Kronrod 1965): the nodes that are not
+# negative, and the weights of both
 _KRONROD = np.array([
     [0.000000000000000000, 0.209482141084727828, 0.417959183673469388],
     [0.207784955007898468, 0.204432940075298892, 0.0],

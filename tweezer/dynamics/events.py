@@ -26,11 +26,11 @@ class Piece(Protocol):
 
     @property
     def begin(self) -> float:
-        """Time at its beginning, s."""
+        """Time at which the piece begins, s."""
 
     @property
     def end(self) -> float:
-        """Time at its end, s."""
+        """Time at which the piece ends, s."""
 
     def checkpoints(self) -> Array:
         """Return ascending times from the beginning to the end, several in each step, s."""
@@ -200,7 +200,7 @@ class Event:
         differ.
         """
         first, last = self._values(piece, np.array([begin, end]))
-        if first * last >= 0:  # a value of rounding alone need not have its sign a second time
+        if first * last >= 0:  # a value of rounding alone need not have the same sign again
             return begin if abs(first) < abs(last) else end
         return crossing(lambda times: self._values(piece, times), begin, end, 1e-15 * end)
 
@@ -383,7 +383,7 @@ def capture(
 def lens_touched(scene: Scene) -> Event | None:
     """Return the event that the bead reaches the lens, one focal length before the focus.
 
-    None if the focal length is unknown.
+    The result is None if the focal length is unknown.
     """
     if scene.lens.focal_length is None:
         return None

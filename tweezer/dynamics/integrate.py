@@ -37,7 +37,7 @@ _FAILURES = {
     integrators.NOT_FINITE: "the force or the state is not finite",
     integrators.EXHAUSTED: "simulation.most_force_calls is spent",
 }
-#: the same of a run that went into a wall
+#: reason of `COLLAPSED` for a run that entered a wall
 _IN_A_WALL = (
     "the bead went into the wall: the step that is given is too long, or contact too soft for it"
 )

@@ -73,7 +73,7 @@ _EMITTED = {
 
 @dataclass(frozen=True)
 class Layout:
-    """Named blocks of the state of a body, and the number of bodies of a copy.
+    """Named blocks of a body's state, and the number of bodies in a state.
 
     Examples
     --------

@@ -409,11 +409,11 @@ class EquationsOfMotion(Shown):
         return evaluate
 
     def _curvatures(self, time: float, position: Array, force: Array) -> dict[str, Array]:
-        """Return the rates of change of force and moment gradients along (F + W)/beta_v, (3, 3)
-        each.
+        """Return the rates of change of the force and moment gradients along (F + W)/beta_v.
 
-        They are central differences; only the Jacobian of the first-order model needs them, and
-        this accuracy is enough for an implicit solver. time: s. position: (3,) m. force: (3,) N.
+        Each is (3, 3), a central difference. Only the Jacobian of the first-order model needs them,
+        and this accuracy is enough for an implicit solver. `time` is in s, `position` (3,) in m and
+        `force` (3,) in N.
         """
         velocity = (force + self.bead.weight) * self.problem.mobility[TRANSLATION]
         speed = float(np.linalg.norm(velocity))

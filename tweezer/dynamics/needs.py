@@ -56,7 +56,7 @@ class Bound(Protocol):
 
     @property
     def equilibrium(self) -> Equilibrium | None:
-        """Stable equilibrium nearest the focus; None if there is none."""
+        """Stable equilibrium nearest the focus, or None."""
 
     @property
     def emitted(self) -> ModuleType:
@@ -268,7 +268,7 @@ OF_EQUATIONS = (
          lambda its: not its.problem.drag.uniform and "beta_v" in its.problem.emitted.PARAMS,
          _EVEN_DRAG, _set("simulation.model", "full")),
 )  # fmt: skip
-#: Of a method that integrates them
+#: Requirements of the method `exponential`
 OF_METHOD = (
     Need("simulation.method",
          lambda its: its.has("exact_drag") and not its.problem.takes_drag_exactly,
@@ -276,8 +276,8 @@ OF_METHOD = (
          "model", _set("simulation.method", "auto")),
 )  # fmt: skip
 
-#: Motions that may have the memory of the fluid; the linear one about an equilibrium is that of
-#: a scene whose model and method are open
+#: Motions that may include the memory of the fluid; the linear motion about an equilibrium is
+#: computed for a scene whose model and method are not decided
 DETERMINISTIC, THERMAL, LINEAR = "deterministic", "thermal", "linear"
 
 

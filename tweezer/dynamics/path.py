@@ -100,10 +100,10 @@ class Greatest(NamedTuple):
 def greatest(value: Value, times: Array, tolerance: float = 0.0) -> Greatest:
     """Return the largest value from times[0] to times[-1] of a function smooth between `times`.
 
-    value: function of ascending times (n,), s, that returns (n,). Each local maximum at `times` is
-    located between its neighbours if it may exceed the largest value by more than `tolerance`; a
-    function that is constant up to rounding has a maximum at every second point. The possible rest
-    is part of the error.
+    `value` is a function of ascending times (n,), s, that returns (n,). Each local maximum at
+    `times` is located between its neighbours if it may exceed the largest value by more than
+    `tolerance`. This omits the maxima at every second point of a function that is constant up to
+    rounding. The possible remainder is included in the error.
     """
     values = value(times)
     tolerance = max(tolerance, _ROUNDING * float(np.abs(values).max()))

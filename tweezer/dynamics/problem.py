@@ -127,8 +127,8 @@ class Problem:
     ) -> Wrench:
         """Return all forces but drag, weight and noise on a bead with its orientation at the start.
 
-        positions: (n, 3) m. time: s, one or (n,). gradient: whether the force gradients are
-        computed.
+        `positions` are (n, 3) m, and `time` is one or (n,) s. If `gradient`, force gradients are
+        computed too.
         """
         turned = self._oriented(self.force, len(positions))
         return self.force.field(positions, gradient=gradient, time=time, orientations=turned)
@@ -230,8 +230,9 @@ class Problem:
 
     @property
     def relaxation_time(self) -> float:
-        """Relaxation time m/beta_v at the start, s: epsilon of (4.6). The longest, if it depends on
-        the direction.
+        """Relaxation time m/beta_v at the release, s: epsilon of (4.6).
+
+        It is the longest one if it depends on the direction.
         """
         return self.bead.mass * float(self.mobility[TRANSLATION].max())
 
@@ -274,7 +275,8 @@ class Problem:
     def rings(self, net_force: NetForce, *, inertia: bool = True) -> tuple[Ring, ...]:
         """Return the rings around the axis of the only beam on which it traps a bead: see `rings`.
 
-        Empty if the forces are not symmetric about this axis. inertia: whether the bead has mass.
+        The result is empty if the forces are not symmetric about this axis. `inertia` determines
+        whether the bead has mass.
         """
         if not self.round_axis:
             return ()
@@ -359,7 +361,7 @@ class Problem:
 
     @functools.cached_property
     def equilibrium(self) -> Equilibrium | None:
-        """Stable equilibrium nearest the focus at time 0; None if there is none."""
+        """Stable equilibrium nearest the focus at time 0, or None."""
         return nearest_stable(self.equilibria(self.net_force))
 
     def changed(self, **simulation: Any) -> Problem:

@@ -39,8 +39,8 @@ def one_call_bias(problem: Problem, mobility: Array, kT: float) -> float:
     """Return the relative error of the variance by the method `one-call`, per step, 1/s.
 
     It is the largest over the axes and over positions at the stable equilibrium and about it, as a
-    force may circulate only away from the axis. 0 without an equilibrium. mobility: (3,) s/kg. kT:
-    J.
+    force may circulate only away from the axis. Without an equilibrium it is 0. `mobility` (3,) is
+    in s/kg, and `kT` in J.
     """
     trap = problem.equilibrium
     if trap is None:

@@ -35,18 +35,18 @@ from tweezer.values.errors import IntegrationError, SceneError, warn
 
 Integers = NDArray[np.int64]
 
-#: Difference of what hidden variables are that rounding may make, as a part of it
+#: Relative difference of hidden variables that rounding may cause
 _SAME = 1e-6
-#: Error of the variance by the step that is warned of, and the smallest that is reported
+#: Error of the variance by the step above which a warning is given, and the smallest reported one
 _WARNED, _TOLD = 0.01, 1e-5
-#: Lateness of losses by one call of the force, over the step in relaxation times of the trap and
-#: its depth in k_B T, as measured on springs; and the smallest that is reported
+#: Delay of losses by one force call per step, as measured on springs: its ratio to the step in
+#: relaxation times of the trap and to the depth in k_B T; and the smallest delay that is reported
 _LATE, _TOLD_LATE = 0.25, 1e-3
-#: Number of swings in the relaxation time above which the energy that steps take is measured
+#: Number of oscillations in the relaxation time above which the energy loss by steps is measured
 _MANY_SWINGS = 100.0
-#: Normal numbers of a start that are not of the memory; those of the memory follow
+#: Normal numbers of a release without those of the memory, which follow
 _DRAWN = Layout({"position": 3, "velocity": 3, "angular_velocity": 3})
-#: Steps of all beads between two looks of a camera
+#: Steps of all beads that are stored for a camera in one pass
 _STEPS_AT_ONCE = 2**17
 
 
@@ -131,7 +131,7 @@ class Walk:
 
     @property
     def equilibrium(self) -> Equilibrium | None:
-        """Stable equilibrium nearest the focus; None if there is none."""
+        """Stable equilibrium nearest the focus, or None."""
         return self.problem.equilibrium
 
     def start(self, trajectories: Integers) -> Array:
@@ -186,12 +186,11 @@ class Walk:
         return np.ascontiguousarray(np.hstack([parts[name] for name in self.layout.blocks]))
 
     def _memory(self, drawn: Array, v: Array, *, thermal: bool) -> tuple[Array, Array]:
-        """Return initial displacements (n, 3), m, and hidden variables (3, k, n) at the fluid's
-        temperature.
+        """Return initial displacements (n, 3), m, and hidden variables (3, k, n) in equilibrium.
 
-        drawn: (n, 9 + hidden) normal random numbers, a row for each bead. v: (n, 3) initial
-        velocities, m/s, which the hidden variables reproduce; ignored if `thermal`, when velocities
-        are drawn.
+        `drawn` (n, 9 + hidden) are normal random numbers, a row for each bead. The hidden variables
+        reproduce the initial velocities `v` (n, 3), m/s. If `thermal`, velocities are drawn and `v`
+        is ignored.
         """
         of_step, n = self.weights.memory, len(drawn)
         place, hidden = drawn[:, _DRAWN.at("position")], drawn[:, _DRAWN.width :]
@@ -405,21 +404,22 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
 
     A scene that names no model gets `full`, whose inertia is exact at any step, and the method
     "auto" becomes exponential Heun. Steps are equal and divide the time between samples. They are
-    at most a fifth of the fastest time scale of the force, at low damping a tenth of the time of an
-    oscillation, or `simulation.step`; rotation may require shorter ones
+    at most a fifth of the fastest time scale of the force, or a tenth of an oscillation period at
+    low damping, or `simulation.step`. Rotation may require shorter ones
     (`tweezer.dynamics.brownian.rotation`). Beside a wall the model is overdamped, and the motion
-    towards the wall near the bead is another time scale (`tweezer.dynamics.brownian.wall`). With
-    another drag that depends on the position the model is overdamped, the method is Euler-Maruyama,
-    and a bead diffuses in a step over at most a twentieth of the length in which the drag changes.
+    towards the wall near the bead is another time scale (`tweezer.dynamics.brownian.wall`). If the
+    drag depends on the position for another reason, the model is overdamped and the method is
+    Euler-Maruyama. In a step a bead then diffuses over at most a twentieth of the length in which
+    the drag changes.
 
     A scene that leaves `medium.inertia` open gets the memory of the fluid with the model `full`, if
     the method can follow it.
 
-    fewest: smallest number of steps between samples. Random numbers are selected by the number of
-    the step, so a continued run with at least as many steps as before repeats none.
+    `fewest` is the smallest number of steps between samples. Random numbers are selected by the
+    number of the step, so a continued run with at least as many steps as before repeats none.
 
-    Raises `SceneError` if thermal motion is off, the seed is no whole number from 0 to 2^63 - 1, or
-    the scene requires a stable equilibrium and there is none.
+    Raises `SceneError` if thermal motion is off or the seed is no whole number from 0 to 2^63 - 1.
+    It is also raised if the scene requires a stable equilibrium that does not exist.
     """
     problem = bound_once(scene)
     check_thermal(problem.scene, seed)
@@ -452,7 +452,7 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
 def _taken_exactly(problem: Problem, linear: Linearised) -> Linear:
     """Return the linear part of the equations, which a scheme may integrate exactly.
 
-    Across a wall the diffusion is that of the plane whose radius gives the gap.
+    Across a wall the diffusion is in the plane whose radius gives the gap.
     """
     shaken = linear.diffusion.copy()
     if problem.drag.walls is not None:

@@ -1,7 +1,8 @@
-"""BAOAB (Leimkuhler and Matthews 2013), OpenMM's LangevinMiddle but for the place of the kicks.
+"""The BAOAB scheme (Leimkuhler and Matthews 2013), for comparison with the default.
 
-It is here for comparison: it samples positions right, but its clock is wrong at steps above tau:
-the bead moves (h/2 tau) coth(h/2 tau) times too easily, and at long steps it is unstable.
+It is OpenMM's LangevinMiddle with the kicks at other times. It samples positions correctly. At
+steps h above tau its dynamics are too fast: the mobility is too large by (h/2 tau) coth(h/2 tau).
+At long steps it is unstable.
 """
 
 from __future__ import annotations
@@ -17,11 +18,10 @@ from tweezer.dynamics.brownian.propagator import Weights
 
 @cached_njit(error_model="numpy", nogil=True)
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
-    """Advance all beads by one step: half a kick, half a drift, drag and noise, half a drift, half
-    a kick.
+    """Advance all beads by one step: half kick, half drift, drag and noise, half drift, half kick.
 
-    `beads.u` contains the slow velocity at `beads.x` on entry and on return. weights: see
-    `weights`.
+    `beads.u` contains the slow velocity (force over drag) at `beads.x` on entry and on return. The
+    function `weights` returns the coefficients `weights`.
     """
     force, plan, weights, beads = borrowed((force, plan, weights, beads))
     dims, width = beads.x.shape
@@ -42,10 +42,10 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
 
 
 def weights(step: float, linear: Linear) -> Weights:
-    """Return the coefficients of a step of BAOAB of the length `step`, s.
+    """Return the coefficients of a BAOAB step of the length `step`, s.
 
-    by_v is half of the step (a half drift), v_by_u is half of it over tau (a half kick), and decay
-    and noise_v are the exact effect of drag and noise on the velocity.
+    The half drift by_v is half of the step, and the half kick v_by_u is by_v/tau. The exact effect
+    of drag and noise on the velocity is given by decay and noise_v.
     """
     tau = linear.tau
     none = np.zeros_like(tau)

@@ -59,9 +59,9 @@ class Beads(NamedTuple):
     """State of n beads, and workspace for a step. Each has three coordinates, and with rotation
     three angles.
 
-    The angles are those turned in a step, about the inertial axes; `e` has the orientation at its
-    beginning. Beads are along the last axis, so that a step is the same arithmetic on a row of
-    numbers, eight at a time: a row has room for w beads, n rounded up to a multiple of eight.
+    The angles are those turned in a step, about the inertial axes; `e` is the orientation before
+    it. Beads are along the last axis, so a step does the same arithmetic on a row of numbers, eight
+    at a time. A row has room for w beads: n rounded up to a multiple of eight.
     """
 
     x: Array
@@ -145,8 +145,8 @@ def beads(
 def slow_velocities(force, plan, beads, time, place, out):  # type: ignore[no-untyped-def]
     """Fill `out` (dims, w) with the slow velocities (F + W)/beta_v and M/beta_w of all beads.
 
-    time: s. place: (dims, w) positions, m. F: force, W: weight, M: moment, beta_v and beta_w: drag.
-    `beads.pose` and `beads.wrench` are overwritten.
+    F, W and M are force, weight and moment; beta_v and beta_w are the drag. `time` is in s, and
+    `place` are positions (dims, w) in m. `beads.pose` and `beads.wrench` are overwritten.
     """
     pose, wrench = beads.pose, beads.wrench
     dims, width = place.shape

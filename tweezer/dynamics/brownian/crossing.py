@@ -143,13 +143,12 @@ def all_far(edge, x, n):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def find(edge, seed, who, at, before, watched, beads, lost):  # type: ignore[no-untyped-def]
-    """Fill `lost` (n,) with the fraction of a step after which each bead is lost; 2 if it is not
-    lost.
+    """Fill `lost` (n,) with the fraction of a step after which each bead is lost; 2 if not lost.
 
-    edge: `Boundary`. seed, who, at: seed, numbers of the trajectories and of the step, which select
-    the random numbers. before: (3, w) positions at the beginning of the step, m, valid if
-    `watched`; without them only the end of the step is tested. On entry `lost` is negative for
-    beads that were lost earlier; it becomes NaN for a position that is not finite.
+    `edge` is a `Boundary`. The random numbers are selected by `seed`, the numbers `who` of the
+    trajectories and the number `at` of the step. The positions `before` (3, w) the step, m, are
+    valid if `watched`; otherwise only the end of the step is tested. On entry `lost` is negative
+    for beads that were lost earlier. It becomes NaN for a position that is not finite.
     """
     x, n, many = beads.x, lost.size, 0
     few, index = np.empty(n, np.int64), np.empty(n, np.int64)

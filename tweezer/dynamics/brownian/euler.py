@@ -1,11 +1,11 @@
-"""One force at the begin of the step: Euler and Maruyama, or the exact step of a harmonic trap.
+"""Steps with one initial force: Euler-Maruyama, or the exact step of a harmonic trap.
 
-Which of them is a matter of the weights. With those of Euler and Maruyama (Kloeden and Platen
-1992, 10.2) the inertial equations want steps below two relaxation times. Without inertia the drag
-may depend on the place: the noise is then that of the begin of the step, and the drift kT db/dx
-makes the distribution Boltzmann's (Ermak and McCammon, J. Chem. Phys. 69:1352 (1978)). With the
-exact weights, and the trap's spring for the force, it is the propagator of Norrelykke and Flyvbjerg
-(Phys. Rev. E 83:041103 (2011), arXiv 1102.0524).
+The weights decide between them. With those of Euler and Maruyama (Kloeden and Platen 1992, 10.2)
+the inertial equations require steps below two relaxation times. Without inertia the drag may depend
+on the position: the noise uses its initial value, and the drift kT db/dx makes the distribution
+Boltzmann's (Ermak and McCammon, J. Chem. Phys. 69:1352 (1978)). With the exact weights, and the
+trap's spring as the force, the step is the propagator of Norrelykke and Flyvbjerg (Phys. Rev. E
+83:041103 (2011), arXiv 1102.0524).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from tweezer.dynamics.layout import TRANSLATION
 
 @cached_njit(error_model="numpy", nogil=True)
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
-    """Advance all beads by one step with the force at its beginning.
+    """Advance all beads by one step with the initial force.
 
     With a uniform drag the weights decide between Euler-Maruyama and an exact step.
     """
@@ -67,9 +67,7 @@ def _move_by_place(plan, beads):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def harmonic_step(force, plan, weights, beads):  # type: ignore[no-untyped-def]  # noqa: ARG001
-    """Advance all beads by one exact step on the spring of the weights, without evaluating the
-    force.
-    """
+    """Advance all beads by one exact step on the spring of the weights; no force is evaluated."""
     plan, weights, beads = borrowed((plan, weights, beads))
     dims, width = beads.x.shape
     for k in range(dims):
@@ -116,7 +114,7 @@ def _move_coupled(plan, weights, beads):  # type: ignore[no-untyped-def]
 def weights(step: float, linear: Linear) -> Weights:
     """Return the coefficients of a step of Euler and Maruyama of the length `step`, s.
 
-    The noise is that of (2.16-2.20): a force of the variance 2 beta kT/h, for the step h.
+    The noise is a force of the variance 2 beta kT/h for the step h (2.16-2.20).
     """
     tau = linear.tau
     inertial = tau > 0
@@ -138,9 +136,7 @@ def weights(step: float, linear: Linear) -> Weights:
 
 
 def harmonic_weights(step: float, linear: Linear) -> Weights:
-    """Return the exact coefficients of drag, spring and noise in a step, s, for any stiffness
-    matrix.
-    """
+    """Return the exact coefficients of drag, any spring and noise for the length `step`, s."""
     alone = exact(step, linear)
     if np.array_equal(linear.rates, np.diag(np.diag(linear.rates))):
         return alone

@@ -1,8 +1,8 @@
-"""Mean places over the exposures of a camera, of beads that walk by steps.
+"""Mean positions over the exposures of a camera, for beads that move in steps.
 
-Between two steps a bead is on the straight line, and on a Brownian bridge, of variance
-2 D s (h - s)/h. Its mean over a part g of a step is that of the ends of that part, with a variance
-D g/6, which is drawn once for a whole exposure.
+Between the ends of a step the bead follows a straight line plus a Brownian bridge of variance
+2 D s (h - s)/h. Over a part g of a step its mean is the mean of the positions at both ends of this
+part, with a variance D g/6. That is drawn once for a whole exposure.
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ import numpy as np
 
 from tweezer.compiled import cached_njit
 
-#: Number of normal numbers of a frame: of where it opens and closes, of its mean, of the detector
+#: Normal random numbers per frame: for the ends of the exposure, its mean and the detector
 ROWS = 12
-#: Rows of the last of them
+#: Rows for the detector
 DETECTOR = slice(9, 12)
-#: Number of what is gathered of the frame that is exposed: integrals of x, y, z and their variances
+#: Number of sums over the frame that is being exposed: integrals of x, y, z and their variances
 HELD = 6
 #: Time within which an exposure begins or ends with a step, in steps
 OF_A_STEP = 1e-9
-#: The same for rounding, as a part of the time
+#: Likewise for rounding, as a part of the time
 OF_THE_TIME = 1e-15
 
 
@@ -29,15 +29,14 @@ OF_THE_TIME = 1e-15
 def expose(  # type: ignore[no-untyped-def]
     first, step, opens, closes, places, diffusion, numbers, held, means
 ):
-    """Fill `means` (n, frames, 3), m, with the mean positions over the exposures that end in some
-    steps.
+    """Fill `means` (n, frames, 3), m, with mean positions over exposures that end in some steps.
 
-    first: number of steps taken before. step: length of a step, s. opens, closes: (frames,) times
-    at which exposures begin and end, s; the first frame is one that is not complete after `first`
-    steps. places: (n, m + 1, 3) positions after `first` steps and after each of the next m, m.
-    diffusion: (n or 1, m or 1, 3), m^2/s. numbers: (n, ROWS, frames) normal random numbers. held:
-    (n, HELD) integrals of the frame that is being exposed, updated in place: of x, y, z, m s, and
-    their variances.
+    Before, `first` steps of length `step` (s) were taken. The (n, m + 1, 3) positions `places` (m)
+    are those after them and after each of the next m steps. Exposures begin at `opens` and end at
+    `closes`, (frames,) s; the first frame is not complete after `first` steps. `diffusion` is
+    (n or 1, m or 1, 3), m^2/s, and `numbers` (n, ROWS, frames) are normal. `held` (n, HELD),
+    updated in place, contains the integrals of x, y, z (m s), and their variances, for the frame
+    that is being exposed.
     """
     n, frames = places.shape[0], len(opens)
     here, now = np.empty((n, 3)), np.empty((n, 3))

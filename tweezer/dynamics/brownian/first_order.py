@@ -1,12 +1,12 @@
 """Heun for the model of first order in tau: the corrected Smoluchowski equation as increments.
 
-Its flux, J = (1 - tau Du)(u n - D grad n) (`derivation.langevin.SMOLUCHOWSKI`; Wilemski, J. Stat.
-Phys. 14:153 (1976), Titulaer, Physica A 91:321 (1978)), is that of
+Its flux is J = (1 - tau Du)(u n - D grad n) (`derivation.langevin.SMOLUCHOWSKI`; Wilemski, J. Stat.
+Phys. 14:153 (1976), Titulaer, Physica A 91:321 (1978)). The same flux results from
 
     dx = (1 - tau Du) u dt + sqrt(2 D) (1 - tau Du/2) dW,
 
-where the factor of the noise is taken at the end of the step (Hanggi-Klimontovich): that brings the
-drift D div(1 - tau Du) which the flux implies.
+where the factor of the noise is taken at the end of the step (Hanggi-Klimontovich). This adds the
+drift D div(1 - tau Du), which the flux implies.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from tweezer.dynamics.brownian.propagator import Weights
 def _reduced(part, gradient, vectors, out):  # type: ignore[no-untyped-def]
     """Fill `out` (3, n) with (1 - part G) times each vector, where G is the force gradient.
 
-    part: mobility times relaxation time (or half of it), m/N. gradient: (n, 3, 3) dF_i/dx_j, N/m.
-    vectors: (3, n); out may be the same array. So (1 - tau Du) acts on slow velocities u and on the
-    noise.
+    So (1 - tau Du) acts on slow velocities u and on the noise. `part` is mobility times relaxation
+    time, or half of it (m/N), and `gradient` (n, 3, 3) is dF_i/dx_j (N/m). `vectors` (3, n) and
+    `out` may be the same array.
     """
     for i in range(gradient.shape[0]):
         x, y, z = vectors[0, i], vectors[1, i], vectors[2, i]

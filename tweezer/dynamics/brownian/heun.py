@@ -1,10 +1,10 @@
-"""Exponential Heun: two forces a step, weak order 2 at any step over tau; the default.
+"""Exponential Heun, the default: two forces a step, weak order 2 at any step over tau.
 
-Drag, the trap's own stiffness and the noise are taken exactly (`propagator`); what the force has
-beyond the spring is predicted by a step of order 1, and taken as growing in proportion to the time
-up to there. A harmonic trap of a diagonal stiffness is exact at any step; entries beside the
-diagonal are of weak order 2, as what the force has beyond the spring. Without inertia it is
-stochastic Heun (Kloeden and Platen 1992, 15.1) with the spring exact.
+Drag, the trap's own stiffness and the noise are exact (`propagator`). A step of order 1 predicts
+the position. The force beyond the spring is taken to change in proportion to the time up to there.
+A harmonic trap of a diagonal stiffness is exact at any step. Off-diagonal entries have weak order
+2, as the force beyond the spring. Without inertia this is stochastic Heun (Kloeden and Platen 1992,
+15.1) with an exact spring.
 """
 
 from __future__ import annotations

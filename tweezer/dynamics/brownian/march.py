@@ -1,7 +1,7 @@
 """The loop over steps and samples, compiled, for every scheme and every force.
 
-Beads go in batches: the numbers, the force and the step of a whole batch in turn. The scheme's step
-and the force's kernel are called by their addresses, once a batch.
+Beads are advanced in batches: random numbers, force and step are computed for a whole batch in
+turn. The scheme's step and the force's kernel are called by their addresses, once per batch.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ from tweezer.dynamics.layout import ROTATION, TRANSLATION, Layout
 from tweezer.forces.data import Part
 from tweezer.values.arrays import Array
 
-#: Beads side by side: calls by address cost little for so many, and what they need stays in cache
+#: Beads in a batch: calls by address cost little for so many, and their data stay in the cache
 _BATCH = 128
-#: Returned where a bead comes near a boundary that is not looked at
+#: Returned where a bead comes near a boundary that is not tested
 NEAR = -2
-#: Returned where all are well
+#: Returned if all beads are inside and finite
 _ALL = -1
 
 
@@ -155,8 +155,9 @@ def advance(
 
 
 def _held(layout: Layout, beads: Beads, n: int) -> list[tuple[slice, Array]]:
-    """Return, for each block of the states of n beads, its columns and the array of `beads` that
-    holds it.
+    """Return, for each block of a state, its columns and the array of `beads` that stores it.
+
+    `n` is the number of beads.
     """
     rooms = {
         "position": beads.x[TRANSLATION, :n],
@@ -172,10 +173,10 @@ def _held(layout: Layout, beads: Beads, n: int) -> list[tuple[slice, Array]]:
 def loop() -> Any:
     """Return the compiled loop over the steps and samples of one batch of beads.
 
-    It fills `out` (n, samples, columns) and returns `_ALL` (-1), `NEAR`, or the row of a bead whose
-    position is not finite. who: numbers of the trajectories. lost_at: (n,) times of loss, s,
-    infinite for beads that are not lost. sample: number of the first sample, from which steps are
-    counted.
+    It fills `out` (n, samples, columns) for the trajectories of the numbers `who`. Steps are
+    counted from the number `sample` of the first sample. `lost_at` (n,) are times of loss, s,
+    infinite for beads that are not lost. The result is `_ALL` (-1), `NEAR`, or the row of a bead
+    whose position is not finite.
     """
 
     def follow(  # type: ignore[no-untyped-def]

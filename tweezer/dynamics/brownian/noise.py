@@ -32,11 +32,11 @@ from tweezer.compiled.lanes import (
 )
 from tweezer.compiled.stack import on_stack
 
-#: what a number is drawn for, the last word of the counter; attempts at a turn count on
+#: purpose of a number, the last word of the counter; attempts at a turn count up from `TURN`
 NOISE, START, TURN = 0, 1, 2
-#: the same for a loss within a step
+#: purpose of a number for a loss within a step
 CROSSING = -2
-#: the same for what a camera sees; the words before it are then frame and trajectory
+#: purpose of a number for a camera; the words before it are then frame and trajectory
 CAMERA = -1
 
 #: Parity of the key of Threefry
@@ -130,8 +130,8 @@ def _logarithm(u):  # type: ignore[no-untyped-def]
 def _pair(radius, angle):  # type: ignore[no-untyped-def]
     """Return two normal numbers for each of eight pairs of random words, by Box and Muller.
 
-    radius: words whose upper 52 bits give the radius. angle: words whose lower 32 bits give the
-    angle: 30 bits the position within a quarter of the circle, two bits the quarter.
+    The upper 52 bits of each word in `radius` give the radius. The lower 32 bits of each word in
+    `angle` give the angle: 30 bits its position within a quarter of the circle, two the quarter.
     """
     u = as_lanes((radius >> uint64(12)) | _ONE) - (1.0 - 2.0**-53)  # between 0 and 1
     r = root(-2.0 * _logarithm(u))

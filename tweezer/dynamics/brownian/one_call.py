@@ -1,8 +1,8 @@
 """Leimkuhler and Matthews with exact drag: one force a step, for histograms and stiffness.
 
-The force is asked at x* = x + tau (1 - e^(-h/tau)) v/2 + xi_x/2, and statistics are those of x*
+The force is evaluated at x* = x + tau (1 - e^(-h/tau)) v/2 + xi_x/2, and x* is also the sample
 (Appl. Math. Res. Express 2013:34; here with the exact noise of the position). In a harmonic trap
-the distribution of x* is exact up to steps of two trap times; the displacement of x* over a step
+the distribution of x* is exact up to steps of two trap times. The displacement of x* over a step
 is wrong by construction, so its spectra are not the bead's.
 """
 

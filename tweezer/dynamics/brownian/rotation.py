@@ -1,13 +1,13 @@
 """A sphere's orientation under drag and thermal torque (2.17): |e| = 1 by construction.
 
 With inertia, the angular velocity of a sphere in the inertial frame follows the same equation as
-its velocity, so a step turns it by an angle known exactly, with noise of 2 beta_w kT
-(L_C = 2 r/sqrt(3) times that of the force). A finite turn by that angle is not the product of its
-parts: the axis diffuses faster than it should by about D_r h/6, which bounds the step.
+its velocity. A step therefore turns it by an angle known exactly. The noise is 2 beta_w kT (L_C is
+2 r/sqrt(3) times the random force). A finite turn by that angle is not the product of its parts:
+the axis diffuses faster than it should by about D_r h/6, which bounds the step.
 
-Without inertia the diffusion itself is exact: an angle w is drawn from N(0, 2 D_r h) and accepted
-with probability sin(|w|/2)/(|w|/2), up to D_r h = 1/4; the turn of a constant torque commutes with
-it.
+Without inertia the diffusion itself is exact, up to D_r h = 1/4. An angle w is drawn from
+N(0, 2 D_r h) and accepted with probability sin(|w|/2)/(|w|/2). The turn by a constant torque
+commutes with it.
 """
 
 from __future__ import annotations
@@ -34,18 +34,16 @@ TURNS = types.void(PLAN, types.int64[::1], types.int64, BEADS)
 def turn_by_steps(plan, trajectories, at, beads):  # type: ignore[no-untyped-def]  # noqa: ARG001
     """Rotate every bead by the angles of its step, `beads.x[3:6]`, and set the angles to 0.
 
-    trajectories, at: not used; they make the signature that of `turn_and_diffuse`.
+    `trajectories` and `at` are not used; they give it the signature of `turn_and_diffuse`.
     """
     _turn(beads)
 
 
 @cached_njit(error_model="numpy", nogil=True)
 def turn_and_diffuse(plan, trajectories, at, beads):  # type: ignore[no-untyped-def]
-    """Rotate every bead by the angles of its step, then by exact free rotational diffusion for a
-    step.
+    """Rotate every bead by the angles of its step, then by exact free rotational diffusion.
 
-    trajectories: (w,) numbers of the trajectories; at: number of the step: both select random
-    numbers.
+    The numbers `trajectories` (w,) of the beads and `at` of the step select random numbers.
     """
     _turn(beads)
     _diffuse(plan, trajectories, at, beads)
@@ -65,8 +63,8 @@ def _diffuse(plan, trajectories, at, beads):  # type: ignore[no-untyped-def]
     """Rotate every bead by a random angle of free rotational diffusion over a step, by rejection.
 
     A rotation vector w (rad, standard deviation `spread`) is accepted with the probability
-    sin(|w|/2)/(|w|/2); beads without an accepted one draw again. Arguments as in
-    `turn_and_diffuse`.
+    sin(|w|/2)/(|w|/2); beads without an accepted one draw again. The numbers `trajectories` (w,) of
+    the beads and `at` of the step select the random numbers.
     """
     spread = math.sqrt(2.0 * plan.diffusion[3] * plan.step)
     drawn = np.empty((4, trajectories.size))

@@ -17,9 +17,10 @@ def _dense() -> np.ndarray:
     """Return the dense output of DOP853 as weights of the rates per power of theta, (7, 16).
 
     theta is the fraction of the step. Hairer's nested form, theta (F0 + (1 - theta) (F1 + theta (F2
-    + ...))), is expanded in powers of theta; row p has the coefficient of theta^(p + 1). F0 = y1 -
-    y0, F1 = h f0 - F0, F2 = 2 F0 - h (f0 + f1), and the others are h D k, with the states y and
-    rates f at both ends of the step h, the rates k of all stages and SciPy's matrix D.
+    + ...))), is expanded in powers of theta; row p has the coefficient of theta^(p + 1). Let y and
+    f be the states and rates at both ends of the step h. Then F0 = y1 - y0, F1 = h f0 - F0 and
+    F2 = 2 F0 - h (f0 + f1). The others are h D k, with the rates k of all stages and SciPy's
+    matrix D.
     """
     stages = 16
     first, last = np.eye(stages)[0], np.eye(stages)[12]

@@ -35,7 +35,7 @@ from tweezer.dynamics.integrators.system import (
 _GROWTH = 5.0
 #: Factor by which a rate for the dense output alone may be larger than the others
 _WILD = 8.0
-#: Factor of a step whose dense output is not that of the motion
+#: Factor by which a step is shortened if its dense output misses the motion
 _SHORTER = 0.3
 
 
@@ -74,10 +74,11 @@ class Tableau(NamedTuple):
 def loop() -> Any:
     """Return the compiled loop, `advance(system, tableau, control, y, clock, counts, records)`.
 
-    It returns the number of records written and the status with which it stopped. y: (state,) at
-    the time clock[0]. clock: (3,) time, s; step to try, s (0: the loop chooses it); error of the
-    last step over the tolerance. counts: (3,) steps, rejected steps, force calls. It updates all
-    three in place, so that a further call continues the run.
+    It returns the number of records written and the status with which it stopped. `y` is the
+    (state,) at the time clock[0]. `clock` (3,) contains the time (s), the step to try (s; if 0, the
+    loop chooses it) and the error of the last step over the tolerance. `counts` (3,) are steps,
+    rejected steps and force calls. All three are updated in place, so a further call continues the
+    run.
     """
 
     def advance(  # type: ignore[no-untyped-def]
@@ -165,8 +166,8 @@ def _wild(tableau, control, y, step, k):  # type: ignore[no-untyped-def]
     """Return whether a rate of the extra stages is far larger than those that determine the error.
 
     This happens where an extra stage, used for the dense output only, is evaluated behind a wall
-    that the other stages did not reach. k: (stages, state) rates; step: s; y: (state,) at the
-    beginning.
+    that the other stages did not reach. `k` (stages, state) are rates, `step` is in s, and `y` is
+    the initial (state,).
     """
     first = len(k) - len(tableau.extra)
     for i in range(y.size):
@@ -196,8 +197,8 @@ def _combined(y, step, k, weights, stages, out):  # type: ignore[no-untyped-def]
 def _error(tableau, control, y, new, step, k):  # type: ignore[no-untyped-def]
     """Return the root mean square of the error of a step over the tolerances of the state.
 
-    y, new: (state,) at the beginning and the end of the step of length `step`, s. k: (stages,
-    state) rates.
+    `y` and `new` are the (state,) before and after the step of length `step` (s). `k` (stages,
+    state) are rates.
     """
     squared = damping = 0.0
     for i in range(y.size):
@@ -225,8 +226,8 @@ def _first_step(  # type: ignore[no-untyped-def]
     """Return the length of the first step, s, by Hairer's algorithm (section II.4 of the book).
 
     It compares the state, its rate and the change of the rate over a trial step with the
-    tolerances. at: workspace of the force. y, rate: (state,) initial state and its rate. inner,
-    new: (state,) workspace.
+    tolerances. `at` is the workspace of the force, and `y` and `rate` are the initial (state,) and
+    its rate. `inner` and `new` (state,) are workspace.
     """
     size = speed = 0.0
     for i in range(y.size):

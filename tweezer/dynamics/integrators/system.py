@@ -1,7 +1,7 @@
-"""What every compiled method shares: the force and the rates at a state, step control, records.
+"""Parts shared by all compiled methods: the force and rates in a state, step control, records.
 
-A loop is compiled once for a method. The force and the emitted rates come as addresses: any force,
-model and bead use the loop as it is.
+A loop is compiled once for a method. It receives the force and the emitted rates as addresses, so
+it works for any force, model and bead.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Force, Pose, Wrench, add, clear
 from tweezer.values.arrays import Array
 
-# how a call of a loop ended; or that it has not
+# status with which a call of a loop ended; or that it has not ended
 REACHED, FULL, COLLAPSED, NOT_FINITE, EXHAUSTED, GOING_ON = range(6)
 
 #: Smallest factor from one step to the next
@@ -148,8 +148,9 @@ def scratch(system):  # type: ignore[no-untyped-def]
 def act(system, at, time, y):  # type: ignore[no-untyped-def]
     """Evaluate force, moment and mobility in a state and store them in the workspace `at`.
 
-    system: `System`. time: s. y: (state,) with the position, m, first; if the force depends on the
-    orientation, the Euler parameters begin at `system.orientation` and are normalised before use.
+    `system` is a `System`, `time` is in s, and `y` (state,) begins with the position (m). If the
+    force depends on the orientation, the Euler parameters begin at `system.orientation`. They are
+    normalised before use.
     """
     if system.orientation >= 0:
         e = y[system.orientation : system.orientation + EULER]
@@ -228,8 +229,9 @@ def by_tolerance(control):  # type: ignore[no-untyped-def]
 def step_to_try(control, clock, counts, room):  # type: ignore[no-untyped-def]
     """Return the next step (s), whether it is the last of the run, and a status.
 
-    The status is `GOING_ON` if the step can be taken, and otherwise the reason to stop: `REACHED`,
-    `FULL`, `COLLAPSED` or `EXHAUSTED`. clock, counts: see `explicit.loop`. room: number of records
+    The status is `GOING_ON` if the step can be taken. Otherwise it is the reason to stop:
+    `REACHED`, `FULL`, `COLLAPSED` or `EXHAUSTED`. `clock` begins with the time and the step to try
+    (s), and `counts` are steps, rejected steps and force calls. `room` is the number of records
     that still fit.
     """
     time, step = clock[0], clock[1]
@@ -242,12 +244,12 @@ def step_to_try(control, clock, counts, room):  # type: ignore[no-untyped-def]
     if control.prescribed.size > 0:
         step = control.prescribed[counts[0]]
         last = counts[0] == control.prescribed.size - 1
-        # what rounding of the clock leaves before a kink is not a step of its own
+        # a remainder before a kink that is due to rounding of the clock is not a separate step
         last |= left - step <= _ROUNDING * control.end
     last |= step >= left * (1.0 - 1e-12)
     if last:
         step = left
-    if not time + step > time:  # lost in the rounding of the time
+    if not time + step > time:  # too short to change the time
         return step, last, COLLAPSED
     if counts[2] > control.most_calls:
         return step, last, EXHAUSTED
@@ -258,11 +260,11 @@ def step_to_try(control, clock, counts, room):  # type: ignore[no-untyped-def]
 def next_step(step, error, before, order, growth, rejected):  # type: ignore[no-untyped-def]
     """Return the length of the next step, s, by proportional-integral (PI) control of the error.
 
-    step: length of the last attempt, s. error: its error over the tolerance; above 1 the step is
-    rejected. before: error of the last accepted step, likewise. order: power of the step with which
-    the error scales. growth: largest factor between steps. rejected: whether an attempt was just
-    rejected, after which the step does not grow. Gustafsson, ACM Trans. Math. Softw. 17:533 (1991),
-    with the exponents of Hairer and Wanner.
+    The last attempt had the length `step` (s) and the `error`, over the tolerance; above 1 it is
+    rejected. `before` is the error of the last accepted step. The error scales with the power
+    `order` of the step, and `growth` is the largest factor between steps. If an attempt was just
+    `rejected`, the step does not grow. See Gustafsson, ACM Trans. Math. Softw. 17:533 (1991), with
+    the exponents of Hairer and Wanner.
     """
     if error == np.inf:
         return 0.1 * step

@@ -32,11 +32,11 @@ TURN = types.void(
 
 @named_njit(inner=True, error_model="numpy")
 def turn(w1, w2, w3, e, out):  # type: ignore[no-untyped-def]
-    """Rotate the orientation e by a rotation vector w and store it in `out`: out = exp(w/2) e
-    (A.2).
+    """Rotate the orientation e by a rotation vector w into `out`: out = exp(w/2) e (A.2).
 
-    w1, w2, w3: components of w in the inertial frame, rad; its direction is the axis, its length
-    the angle. e, out: (4,) Euler parameters; both may be the same array.
+    `w1`, `w2` and `w3` are the components of w in the inertial frame, rad. Its direction is the
+    axis and its length the angle. `e` and `out` (4,) are Euler parameters, and may be the same
+    array.
     """
     size = math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
     c = math.cos(0.5 * size)
@@ -63,14 +63,14 @@ def _cross(a, b, out):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _angular(modes, s, step, v, powers, chi, out):  # type: ignore[no-untyped-def]
-    """Fill `out` (2, 3) with the angle turned since the beginning of a step and the angular
-    velocity.
+    """Fill `out` (2, 3) with the angle turned since a step began, and the angular velocity.
 
-    out[0]: integral of the angular velocity over the time s, rad. out[1]: angular velocity at s,
-    rad/s; both in the inertial frame. modes: relaxation times and weights, (6, modes). s, step:
-    time since the beginning and length of the step, s. v: (6 modes,) velocities of the modes at the
-    beginning, by axis (three of translation, three of rotation). powers: (6, NODES) the U_m of the
-    slow velocity along these axes, see the module `modes`. chi: (NODES + 1,) workspace.
+    Both are in the inertial frame: out[0] is the integral of the angular velocity over the time
+    `s` (rad), out[1] the angular velocity at `s` (rad/s). `modes` are relaxation times and weights,
+    (6, modes), and `step` is the length of the step (s). `v` (6 modes,) are the initial velocities
+    of the modes by axis, three of translation and three of rotation. `powers` (6, NODES) are the
+    coefficients U_m (`modes`) of the slow velocity along these axes. `chi` (NODES + 1,) is
+    workspace.
     """
     many = modes.times.shape[1]
     for i in range(3):
@@ -87,17 +87,16 @@ def _angular(modes, s, step, v, powers, chi, out):  # type: ignore[no-untyped-de
 
 @named_njit(inner=True, error_model="numpy")
 def turned(modes, upto, parts, step, v, powers, e, out):  # type: ignore[no-untyped-def]
-    """Fill `out` (4,) with the orientation at a time `upto`, s, within a step; return the error
-    estimate.
+    """Fill `out` (4,) with the orientation at a time `upto` (s) within a step; return the error.
 
-    modes: relaxation times and weights of the velocity modes, (6, modes). parts: number of equal
-    parts into which the step of length `step`, s, is divided. v: (6 modes,) velocities of the modes
-    at the beginning. powers: (6, NODES) polynomial coefficients U_m of the slow velocities. e: (4,)
-    orientation at the beginning. The error estimate is the angle, rad, by which the terms of order
-    6 of Magnus' expansion change those of order 4.
+    The step of length `step` (s) is divided into `parts` equal parts. `modes` are relaxation times
+    and weights of the velocity modes, (6, modes), and `v` (6 modes,) their initial velocities. The
+    slow velocities have the polynomial coefficients `powers` (6, NODES). `e` (4,) is the initial
+    orientation. The error is estimated as the angle (rad) by which the terms of order 6 in the
+    Magnus expansion change those of order 4.
     """
     chi = np.empty(NODES + 1)
-    at = np.zeros((5, 2, 3))  # at the begin, at the nodes, and at the end of a part
+    at = np.zeros((5, 2, 3))  # at the beginning, the nodes and the end of a part
     terms = np.empty((7, 3))
     first, second, third, C1, C2, left, right = (
         terms[0], terms[1], terms[2], terms[3], terms[4], terms[5], terms[6],
@@ -138,11 +137,10 @@ def turned(modes, upto, parts, step, v, powers, e, out):  # type: ignore[no-unty
 
 @named_njit(inner=True, error_model="numpy")
 def parts_of(modes, step, v, powers, e, allowed, out):  # type: ignore[no-untyped-def]
-    """Return the smallest number of parts of a step, a power of two, that meets an angular
-    tolerance.
+    """Return the smallest number of parts of a step, a power of two, that meets a tolerance.
 
-    allowed: tolerance of the angle, rad. out: (4,) filled with the orientation at the end of the
-    step. The other arguments are those of `turned`.
+    `allowed` is the tolerance of the angle (rad). `out` (4,) is filled with the final orientation.
+    `turned` defines the other arguments.
     """
     parts = 1
     while turned(modes, step, parts, step, v, powers, e, out) > allowed and parts < _MOST_PARTS:
@@ -152,10 +150,9 @@ def parts_of(modes, step, v, powers, e, allowed, out):  # type: ignore[no-untype
 
 @cached_njit(error_model="numpy", nogil=True)
 def turn_over(modes, step, v, powers, e, allowed, out):  # type: ignore[no-untyped-def]
-    """Fill `out` (4,) with the orientation at the end of a step, by as many parts as `allowed`
-    requires.
+    """Fill `out` (4,) with the orientation after a step, within the tolerance `allowed` (rad).
 
-    The arguments are those of `parts_of`. A loop calls this function by its address, so that the
+    `turned` defines the other arguments. A loop calls this function by its address, so that the
     rotation is not compiled for a scene without one.
     """
     parts_of(modes, step, v, powers, e, allowed, out)
