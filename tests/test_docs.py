@@ -236,7 +236,9 @@ def test_the_page_that_helps_to_choose_quotes_the_committed_results():
         if (each["model"], each["tolerance"]) == ("overdamped", 1e-11)
     )
     assert off["overdamped"] == pytest.approx(worst, rel=0.1)
-    by_map = re.search(r"waves, `map` .*\| (.*) s \| (.*) \|", pages.quoted("choosing-evaluator"))
+    by_map = re.search(
+        r"wave optics, `map` .*\| (.*) s \| (.*) \|", pages.quoted("choosing-evaluator")
+    )
     force = pages.committed("force")["headline"]["by_place"]["inside"]
     saved = 1e-6 * force["waves_us"] - 1e-9 * force["waves_map_ns"]  # s
     assert float(by_map[2].replace(",", "")) == pytest.approx(float(by_map[1]) / saved, rel=0.05)

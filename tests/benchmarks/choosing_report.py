@@ -35,7 +35,7 @@ WAYS = {
 
 
 def light(force: Results) -> list[str]:
-    """Time of a force by waves and rays over the size of a bead, and how far rays are off."""
+    """Time of a force with both theories by the size of a bead, and the error of ray optics."""
     scene = tweezer.load_scene("silica-1um")
     rays = force["waves"]["rays"]["inside"]
     rows = []
@@ -54,9 +54,10 @@ def light(force: Results) -> list[str]:
             )
         )  # fmt: skip
     headings = (
-        "silica bead", "wavelengths across", "waves: a force takes", "its error",
-        "rays: a force takes", "off by, of the largest force", "true stiffness across, over theirs",
-        "true stiffness along, over theirs", "judgement",
+        "silica bead", "diameter in wavelengths", "wave optics: time of a force", "relative error",
+        "ray optics: time of a force", "error relative to the largest force",
+        "stiffness across, wave over ray optics", "stiffness along, wave over ray optics",
+        "judgement",
     )  # fmt: skip
     return pages.markdown(headings, rows)
 
@@ -93,11 +94,12 @@ def motion(integration: Results) -> list[str]:
         )
         for model, of in chosen.items()
     ]
-    return pages.markdown(("model", "off before the trap", "in it", "takes"), rows)
+    headings = ("model", "error before the trap", "error in the trap", "run time")
+    return pages.markdown(headings, rows)
 
 
 def fluid(fluids: Results, memory: Sequence[dict[str, Any]]) -> list[str]:
-    """What leaving out the fluid's memory costs, and what having it costs."""
+    """Error without hydrodynamic memory, and run times with and without it."""
     times = {
         (each["bead"].removeprefix("thesis-"), each["theory"]): each
         for each in reversed(fluids["calls"])
@@ -109,22 +111,25 @@ def fluid(fluids: Results, memory: Sequence[dict[str, Any]]) -> list[str]:
         overshoots = " → ".join(f"{1e9 * value:.2g}" for value in each["overshoot"])
         rows.append(
             (
-                f"{each['bead'].removesuffix('nm')} nm, {each['theory']}",
+                f"{each['bead'].removesuffix('nm')} nm, {each['theory'][:-1]} optics",
                 f"{1e6 * each['off']:.2f} µm", f"{overshoots} nm", f"{without} → {with_it} ms",
             )
         )  # fmt: skip
     thermal = ", ".join(
-        f"{of['times']:.1f} times by {of['poles']} poles" for of in fluids["steps"] if of["poles"]
+        f"{of['times']:.1f} times with {of['poles']} poles" for of in fluids["steps"] if of["poles"]
     )
-    headings = ("bead, light", "off without it by up to", "overshoot without → with", "a run takes")
+    headings = (
+        "bead, light", "largest error without memory", "overshoot without → with",
+        "run time without → with",
+    )  # fmt: skip
     return [
         *pages.markdown(headings, rows), "",
-        f"A step of thermal motion takes {thermal} as long as without memory.",
+        f"A step of thermal motion takes longer than without memory: {thermal}.",
     ]  # fmt: skip
 
 
 def wall(walls: Results) -> list[str]:
-    """How much too fast Stokes's drag is beside a wall; biases of thermal motion there."""
+    """Excess mobility of Stokes's drag beside a wall, and biases of thermal motion there."""
     mobilities = tweezer.wall_mobilities(list(GAPS))
     along, away = mobilities["parallel"], mobilities["perpendicular"]
     rows = [
@@ -140,18 +145,18 @@ def wall(walls: Results) -> list[str]:
         if (each["model"], each["method"], each["walls"]) == ("overdamped", "heun", "one")
     )  # fmt: skip
     told = (
-        f"Thermal motion at a step of {STEP:g} of the time to sink by a mean gap: `heun` puts the "
-        f"mean gap off by {bias['heun']['mean']:.1f} ± {bias['heun']['mean_error']:.1f} %, Euler's "
-        f"method with the usual drift by {bias['euler, drift']['mean']:.0f} %, without that drift "
-        f"by {bias['euler, no drift']['mean']:.0f} %. It runs at {rate:.2g} times the rate without "
-        "a wall."
+        f"Thermal motion was simulated with a step of {STEP:g} of the time to sink by a mean gap. "
+        f"The error of the mean gap is {bias['heun']['mean']:.1f} ± "
+        f"{bias['heun']['mean_error']:.1f} % with `heun`, {bias['euler, drift']['mean']:.0f} % for "
+        f"Euler's method with the usual drift, and {bias['euler, no drift']['mean']:.0f} % without "
+        f"that drift. The rate of `heun` is {rate:.2g} times the rate without a wall."
     )
-    headings = ("gap", "moves too fast by Stokes's drag, along the wall", "away from it")
+    headings = ("gap", "excess mobility by Stokes's drag, along the wall", "away from the wall")
     return [*pages.markdown(headings, rows), "", told]
 
 
 def thermal(brownian: Results) -> list[str]:
-    """Bias and rate of the ways of thermal motion at the usual step."""
+    """Bias and rate of each model and method of thermal motion at the default step."""
     wells = [name for name in brownian["wells"] if name != HARMONIC]
     rates = {(each["model"], each["method"]): each for each in brownian["rates"]}
     rows = []
@@ -179,25 +184,25 @@ def thermal(brownian: Results) -> list[str]:
     ]
     relaxation, trap = (brownian["trap"][key] for key in ("relaxation_time_s", "trap_time_s"))
     told = (
-        f"That bead relaxes in {1e6 * relaxation:.2g} µs, and follows the trap in "
-        f"{1e6 * trap:.2g} µs. "
-        "With inertia, Euler-Maruyama must resolve the first: for the same error it takes "
-        f"{rounded(min(fewer))} to {rounded(max(fewer))} times as many steps."
+        f"The relaxation time of the velocity is {1e6 * relaxation:.2g} µs, and the relaxation "
+        f"time in the trap is {1e6 * trap:.2g} µs. With inertia, Euler-Maruyama must resolve the "
+        f"shorter time. For the same error it requires {rounded(min(fewer))} to "
+        f"{rounded(max(fewer))} times as many steps."
     )
     headings = (
-        "model, method", "for", "forces a step", "steps a second", "⟨x²⟩ off by up to",
-        "corner frequency off by",
+        "model, method", "use", "forces per step", "steps per second", "largest error of ⟨x²⟩",
+        "error of the corner frequency",
     )  # fmt: skip
     return [*pages.markdown(headings, rows), "", told]
 
 
 def evaluator(force: Results) -> list[str]:
-    """A map or the quadrature: time, error, and from how many forces on a map pays."""
+    """Time and error of map and quadrature, and how many forces make a map faster."""
     inside, kinds = force["headline"]["by_place"]["inside"], force["headline"]["by_place"].values()
     rows = []
     for theory, quadrature, table, key in (
-        ("rays", "quadrature", "map", "map"),
-        ("waves", "waves", "waves_map", "waves' map"),
+        ("ray optics", "quadrature", "map", "map"),
+        ("wave optics", "waves", "waves_map", "waves' map"),
     ):
         exact, read = inside[f"{quadrature}_us"], 1e-3 * inside[f"{table}_ns"]
         made = force["fresh_process"][key]["empty_table_cache"]["bind_s"]
@@ -205,7 +210,10 @@ def evaluator(force: Results) -> list[str]:
         tabled = f"{table}_largest_error_over_largest_force"
         off = max(of[tabled] for of in kinds if tabled in of)
         rows += [
-            (f"{theory}, `quadrature`", f"{rounded(exact)} µs", f"{error:.0e} of itself", "", ""),
+            (
+                f"{theory}, `quadrature`", f"{rounded(exact)} µs", f"{error:.0e} of the force",
+                "", "",
+            ),
             (
                 f"{theory}, `map`", f"{rounded(read)} µs", f"{off:.0e} of the largest force",
                 f"{rounded(made)} s", f"{float(rounded(1e6 * made / (exact - read))):,.0f}",
@@ -213,16 +221,16 @@ def evaluator(force: Results) -> list[str]:
         ]  # fmt: skip
     headings = (
         "990 nm bead",
-        "a force takes",
+        "time of a force",
         "largest error",
-        "made in",
-        "pays from so many forces",
+        "time to make the map",
+        "faster above so many forces",
     )
     return pages.markdown(headings, rows)
 
 
 def blocks() -> dict[str, str]:
-    """What stands on the page, by its names there."""
+    """Blocks of the page by their names."""
     force, brownian = pages.committed("force"), pages.committed("brownian")
     memory = json.loads(MEMORY.read_text(encoding="utf-8"))
     machine = force["machine"]

@@ -34,8 +34,8 @@ def tables(results: Results) -> list[list[list[str]]]:
 
 def _by_model(results: Results) -> list[list[str]]:
     """Statistics by model and method; the first row is that of the headings."""
-    table = [["statistics, 10^6 beads, 10^9 steps", "million steps a second and core", "core-hours",
-              *(f"{cores:,} cores" for cores in CORES)]]  # fmt: skip
+    table = [["statistics, 10^6 beads, 10^9 steps", "million steps per second and core",
+              "core-hours", *(f"{cores:,} cores" for cores in CORES)]]  # fmt: skip
     for each in results["models"]:
         times = (duration(each["seconds"][str(cores)]) for cores in CORES)
         table.append(
@@ -48,8 +48,8 @@ def _by_model(results: Results) -> list[list[str]]:
 def _by_kind(results: Results) -> list[list[str]]:
     """Time, efficiency and walls by what is kept; the first row is that of the headings."""
     table = [["full, heun", *(f"{cores:,} cores" for cores in CORES), "efficiency at 10,000",
-              "stored, TB", "a block, s", "most cores by blocks", "by the file system",
-              "by the process in charge"]]  # fmt: skip
+              "stored, TB", "time of a block, s", "most cores by blocks",
+              "most cores by the file system", "most cores by the process in charge"]]  # fmt: skip
     for each in results["plan"]:
         entries = {entry["cores"]: entry for entry in each["cores"]}
         table.append(
@@ -71,9 +71,12 @@ def _costs(results: Results) -> list[list[str]]:
         of = blocks[f"{kind}, short blocks"]
         beside = of["worker_s"] - of["steps"] / results["steps_per_s"]["full, heun"]
         table += [
-            [f"{kind}: a block in its worker, beside the steps", f"{rounded(1e3 * beside)} ms"],
-            [f"{kind}: the same in the process in charge", f"{rounded(1e3 * of['client_s'])} ms"],
-            [f"{kind}: an ensemble, once", f"{rounded(of['once_s'])} s"],
+            [f"{kind}: further time of a block in its worker", f"{rounded(1e3 * beside)} ms"],
+            [
+                f"{kind}: time of a block in the process in charge",
+                f"{rounded(1e3 * of['client_s'])} ms",
+            ],
+            [f"{kind}: fixed time of an ensemble", f"{rounded(of['once_s'])} s"],
         ]
     table.append(["a task of the scheduler", f"{rounded(1e3 * results['task_s'])} ms"])
     table += [
@@ -141,9 +144,10 @@ def block(results: Results) -> str:
     lines = pages.tables(tables(results))
     ratios = [each["measured_s"] / each["modelled_s"] for each in results["checks"]]
     told = (
-        f"Measured over modelled: {rounded(min(ratios))} to {rounded(max(ratios))}. While this was "
-        f"measured {rounded(results['load_per_core'])} processes wanted each core: with more than "
-        "one, costs are too large rather than too small, and ensembles slower than by themselves."
+        f"The measured time is {rounded(min(ratios))} to {rounded(max(ratios))} times the modelled "
+        f"time. During the measurement {rounded(results['load_per_core'])} processes competed for "
+        "each core. With more than one, costs are overestimated, and ensembles are slower than "
+        "when they run alone."
     )
     lines += [*textwrap.wrap(told, 110), ""]
     lines.append("![Time and efficiency against cores](figures/bench-scaling.png)")

@@ -23,10 +23,10 @@ def tables(results: Results) -> list[list[list[str]]]:
     sizes, powers = results["grid"]
     return [
         [
-            [f"traps by waves, {sizes} sizes x {powers} powers", ""],
+            [f"traps with wave optics, {sizes} sizes x {powers} powers", ""],
             [f"time, {results['processes']} processes, s", f"{whole['wall_s']:.4g}"],
             ["processor time, s", f"{whole['cpu_s']:.4g}"],
-            ["the same a trap, ms", f"{1e3 * whole['cpu_s'] / whole['cases']:.3g}"],
+            ["processor time per trap, ms", f"{1e3 * whole['cpu_s'] / whole['cases']:.3g}"],
             [f"killed {killed['kills']} times and resumed",
              "the same bytes" if killed["same_bytes"] else "other bytes"],
         ],
@@ -58,17 +58,17 @@ def block(results: Results) -> str:
     sizes, powers = results["grid"]
     same = "the same bytes as" if killed["same_bytes"] else "other bytes than"
     explained = (
-        f"The traps of a silica bead by waves, {sizes} sizes times {powers} powers, take "
-        f"{whole['wall_s']:.0f} s by {results['processes']} processes, their start included, and "
-        f"{whole['cpu_s']:.0f} s of processor time. Killed {killed['kills']} times by SIGKILL and "
-        f"resumed, the store has {same} without. Two workers of Dask against one: "
-        f"{dask['speed_up']:.2f} times as fast; the busier of the two has "
-        f"1/{dask['speed_up_of_processor_time']:.2f} of the processor time of the one."
+        f"The traps of a silica bead with wave optics, {sizes} sizes times {powers} powers, take "
+        f"{whole['wall_s']:.0f} s with {results['processes']} processes, including their start, "
+        f"and {whole['cpu_s']:.0f} s of processor time. After {killed['kills']} kills by SIGKILL "
+        f"and resumptions, the store has {same} without them. Two Dask workers are "
+        f"{dask['speed_up']:.2f} times as fast as one. The busier worker has "
+        f"1/{dask['speed_up_of_processor_time']:.2f} of the processor time of a single worker."
     )
     if dask["load_before"] > BUSY:
         explained += (
             " Other programs used the machine at the time (load average "
-            f"{dask['load_before']:.0f}), so that the processor time tells more than the time."
+            f"{dask['load_before']:.0f}), so the processor time is more reliable than the time."
         )
     lines = [
         *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
