@@ -1,4 +1,4 @@
-"""What resists the bead: drag, as mobilities by place, and the inertia of the fluid."""
+"""Resistance to the motion of a bead: drag, as mobilities by position, and fluid inertia."""
 
 from __future__ import annotations
 

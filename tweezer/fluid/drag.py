@@ -1,13 +1,13 @@
 """Drag: a compiled kernel and its data, which give the mobility of a bead at a position.
 
-A bead in a fluid that is the same all around N3, as beside a wall across it, has five mobilities
-(`derivation.drag`): those of translation across and along N3, those of rotation across and about
-it, and that of rolling. Far from everything they are Stokes's (2.13-2.15).
+A fluid that is the same all around N3, as beside a wall across it, gives a bead five mobilities
+(`derivation.drag`). Two are for translation across and along N3, two for rotation across and about
+it, and one for rolling. Far from everything they are Stokes's (2.13-2.15).
 
-These five fill the symmetric 6 x 6 matrix of any body about its centre of mass
-(`Drag.mobility_matrices`). Compiled loops read the five: with the 21 numbers of the matrix the
-product with force and moment takes 1.5 times as long, and the solution for the drag of a given
-motion 5.8 times as long, which a sphere would pay without need.
+They are entries of the symmetric 6 x 6 matrix of any body about its centre of mass
+(`Drag.mobility_matrices`). Compiled loops read the five. With the 21 numbers of the matrix the
+product with force and moment would take 1.5 times as long. The solution for the drag of a given
+motion would take 5.8 times as long, which a sphere does not need.
 """
 
 from __future__ import annotations

@@ -1,19 +1,19 @@
-"""The fluid's inertia: the velocity of a sphere as a sum of modes that relax by themselves.
+"""Fluid inertia: the velocity of a sphere as a sum of modes that relax independently.
 
 The drag of a sphere in a fluid with inertia (J. Boussinesq 1885, A. B. Basset 1888; L. D. Landau,
-E. M. Lifshitz, Fluid Mechanics, section 24) is, of a motion v = e^(st),
+E. M. Lifshitz, Fluid Mechanics, section 24) is, for a motion v = e^(st),
 
     gamma(s) = beta (1 + sqrt(s tau_f) + s tau_f/9),    tau_f = r^2 rho_m/mu_m,
 
-of which the last term is the added mass, m_f/2. The root, the memory of the vorticity shed before,
-is here a sum of c_k s tau_f/(s tau_f + p_k) with c_k, p_k > 0 (`derivation/memory_poles.json`):
-the bead drags fictitious masses through dashpots. The response to a force then has as many simple
-poles as there are masses, and one more:
+where the last term is the added mass, m_f/2. The root is the memory of the vorticity shed before.
+Here it is a sum of c_k s tau_f/(s tau_f + p_k) with c_k, p_k > 0 (`derivation/memory_poles.json`),
+as if the bead dragged fictitious masses through dashpots. The response to a force then has as many
+simple poles as there are masses, and one more:
 
     1/(m s + gamma(s)) = (1/beta) sum_j a_j/(1 + s tau_j),    a_j > 0,    sum_j a_j = 1.
 
-So the bead moves by v = sum_j a_j v_j, of which each v_j relaxes to the slow velocity F/beta in the
-time tau_j, with thermal noise of its own.
+The bead thus moves by v = sum_j a_j v_j. Each v_j relaxes to the slow velocity F/beta in the time
+tau_j, with independent thermal noise.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from tweezer.generated import hydrodynamics, memory_poles
 from tweezer.values.arrays import Array, Complex
 from tweezer.values.errors import SceneError
 
-#: The emitted drag as Python: it is asked for at some frequencies, which a compiler would not repay
+#: The emitted drag as plain Python: a few frequencies do not repay the time of compilation
 _drag_of_translation = np.vectorize(hydrodynamics.drag_of_translation.py_func, otypes="dd")
 
 #: Poles of the root by their number: p_k and c_k

@@ -1,6 +1,6 @@
-"""A wall's part in the drag of a sphere at one height: steady, and with the fluid's inertia.
+"""The effect of a wall on the drag of a sphere at one height, without and with fluid inertia.
 
-Steady, the mobilities along and across the wall are exact (`tweezer.generated.wall`).
+Without inertia the mobilities along and across the wall are exact (`tweezer.generated.wall`).
 
 With inertia the wall reflects the flow that the sphere makes. The reflected flow carries the sphere
 along, with a velocity G(s) for a force of 1 (`derivation.hydrodynamics`; for a point B. U.
@@ -8,11 +8,11 @@ Felderhof, J. Phys. Chem. B 109, 21406 (2005)), so that
 
     gamma(s) = gamma_0(s)/(1 + c beta^2 G(s)/gamma_0(s)),
 
-with gamma_0 and beta those far away. It is one reflection. Its steady drag is that of Faxen's
-mobilities, which c, 1.08 at most, makes the exact ones; where s is large it has the added mass of
-ideal flow. A true drag is that of dashpots and fictitious masses, beta (1/mobility + sum c_k s
-tau_f/(s tau_f + p_k) + m s tau_f) with no c_k below 0: the closest one of that kind is taken, by
-the poles p_k of a sphere far from everything.
+with gamma_0 and beta far from the wall. It includes one reflection. Its steady drag would follow
+Faxen's mobilities; the factor c, 1.08 at most, corrects it to the exact ones. Where s is large it
+has the added mass of ideal flow. A physical drag is due to dashpots and fictitious masses,
+beta (1/mobility + sum c_k s tau_f/(s tau_f + p_k) + m s tau_f) with no c_k below 0. The closest
+drag of this form is used, with the poles p_k of a sphere far from everything.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from tweezer.fluid.memory import NODES
 from tweezer.generated import wall
 from tweezer.values.arrays import Array, Complex
 
-#: The emitted mobilities as Python: of one height they would not repay a compiler
+#: The emitted mobilities as plain Python: a single height does not repay the time of compilation
 _mobilities = wall.mobilities.py_func
 #: Lowest height of a centre at which one reflection is enough, along and across the wall, in radii
 LOWEST = {"along": 1.5, "across": 2.0}
-#: Frequencies of the fit, over nu/(pi r^2): from where inertia does nothing to where no wall does
+#: Frequencies of the fit, over nu/(pi r^2): from negligible inertia to a negligible wall
 _FREQUENCIES = np.geomspace(1e-5, 3e2, 300)
 #: Panels of the integral over wave numbers, in 1/h, and Gauss's points in each
 _PANELS, _POINTS = np.append(0.0, np.geomspace(1e-2, 60.0, 14)), 40
@@ -43,8 +43,9 @@ _SMALL = 0.05
 
 
 class Memory(NamedTuple):
-    """Drag over the steady drag: 1 + sum_k weights_k s/(s + rates_k) + mass s, with s
-    in 1/tau_f.
+    """Drag over the steady drag, by poles: 1 + sum_k weights_k s/(s + rates_k) + mass s.
+
+    s is in 1/tau_f.
     """
 
     rates: Array
@@ -92,10 +93,11 @@ def steady(gap: float) -> tuple[float, float, float, float]:
 def reflected(x: Complex, height: float, *, across: bool) -> Complex:
     """Return beta G(s): velocity of a sphere in the flow that a wall reflects, (n,).
 
-    It is relative to the velocity that the force would give in steady flow far from everything. x:
-    (n,) alpha r = sqrt(s tau_f), not 0. height: of the sphere's centre, in radii. across: whether
-    the motion is across the wall or along it. The integral over waves e^(i q X) is that of
-    `derivation.hydrodynamics`, with differences written so that nothing cancels for small x.
+    It is relative to the velocity that the force would give in steady flow far from everything. `x`
+    (n,) is alpha r = sqrt(s tau_f), not 0, and `height` the sphere's centre above the wall, in
+    radii. `across` selects motion across the wall instead of along it. The integral over waves
+    e^(i q X) comes from `derivation.hydrodynamics`, with differences written so that nothing
+    cancels for small x.
     """
     x = np.asarray(x, np.complex128)[:, None]
     points, weights = np.polynomial.legendre.leggauss(_POINTS)
@@ -104,7 +106,7 @@ def reflected(x: Complex, height: float, *, across: bool) -> Complex:
     weights = (half * weights).ravel() / height
     decay = np.sqrt(q**2 + x**2)
     faster = x**2 / (q + decay)
-    # of the dipole and of the vortical part, and their difference over x^2
+    # weights of the dipole and of the vortical part, and their difference over x^2
     A = (1 + x + x**2 / 3) * np.exp(-q * height)
     B = np.exp(x - decay * height)
     series = -(1 / 6 + x / 6 + x**2 / 24 + x**3 / 120 + x**4 / 720 + x**5 / 5040)
@@ -126,9 +128,9 @@ def reflected(x: Complex, height: float, *, across: bool) -> Complex:
 def memory_beside(height: float, *, across: bool, poles: int) -> Memory:
     """Return the drag of a sphere that moves along or across a wall in a fluid with inertia.
 
-    height: of the sphere's centre, in radii, at least `LOWEST`. poles: a number that `NODES`
-    contains. With 24 poles the fitted sum is within 0.8 % of the reflected flow at 1.5 radii along
-    the wall, 1.4 % at 2 radii across it, and 0.2 % from 3 radii on.
+    `height` is the height of the sphere's centre in radii, at least `LOWEST`. `poles` is a number
+    that `NODES` contains. With 24 poles the fitted sum is within 0.8 % of the reflected flow at 1.5
+    radii along the wall, 1.4 % at 2 radii across it, and 0.2 % at 3 radii or more.
     """
     from scipy.optimize import nnls
 

@@ -75,9 +75,9 @@ def _add_resisted(pose, data, wrench):  # type: ignore[no-untyped-def]
 def _respond(mobility, force, moment, reference, out, turning):  # type: ignore[no-untyped-def]
     """Add to a force and a moment the velocities of a bead over the reference mobilities.
 
-    mobility: (5,) or their derivatives. force, moment: (3,) acting on the bead, N and N m.
-    reference: (6,) constant mobilities along and about the axes. out, turning: (3,) equivalent
-    force and moment.
+    `mobility` (5,) are mobilities or their derivatives. `force` and `moment` (3,) act on the bead
+    (N and N m), and `reference` (6,) are constant mobilities along and about the axes. `out` and
+    `turning` (3,) are the equivalent force and moment.
     """
     along, across = mobility[0], mobility[1]
     turn, spin, roll = mobility[2], mobility[3], mobility[4]

@@ -1,14 +1,15 @@
 """Drag of a sphere beside a plane, or between two: the exact mobilities by the gap.
 
-They are those of Stokes flow (H. Brenner, Chem. Eng. Sci. 16:242 (1961); G. B. Jeffery 1915;
-M. E. O'Neill 1964; W. R. Dean and M. E. O'Neill 1963), as `derivation.wall` has them. Far away they
-are Stokes's; at contact the one towards the wall is in proportion to the gap.
+They are the mobilities in Stokes flow (H. Brenner, Chem. Eng. Sci. 16:242 (1961); G. B. Jeffery
+1915; M. E. O'Neill 1964; W. R. Dean and M. E. O'Neill 1963), derived in `derivation.wall`. Far away
+they are Stokes's. At contact the mobility towards the wall is proportional to the gap.
 
-With a second plane the resistances of both, less Stokes's, add up (C. W. Oseen, Hydrodynamik
-(1927)). In a cell of thickness L that makes the friction too large, to leading order by 1.6 r/L of
-Stokes's across the cell, in its middle, and by 0.25 r/L along it, or 0.6 r/L next to a plane, where
-the other one is hidden by it (exact in the middle: 1 + 2.903 r/L and 1 + 2.008 r/L, against
-1 + 4.5 r/L and 1 + 2.25 r/L; L. Lobry, N. Ostrowsky, Phys. Rev. B 53:12050 (1996)).
+With a second plane the resistances of both, less Stokes's, are added (C. W. Oseen, Hydrodynamik
+(1927)). In a cell of thickness L this overestimates the friction. To leading order, in the middle
+of the cell the error is 1.6 r/L of Stokes's friction across the cell and 0.25 r/L along it. Along
+the cell next to a plane, which hides the other one, it is 0.6 r/L. In the middle the exact friction
+is 1 + 2.903 r/L and 1 + 2.008 r/L, against 1 + 4.5 r/L and 1 + 2.25 r/L (L. Lobry, N. Ostrowsky,
+Phys. Rev. B 53:12050 (1996)).
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from tweezer.generated import wall
 
 cache_functions(wall)
 
-#: Gap below which the mobilities stay as they are, m: what is pushed back must still move
+#: Gap below which the mobilities are constant, m: a bead that is pushed back must still move
 _NEAREST = 0.1 * BORN
 
 
@@ -42,9 +43,7 @@ class BesideWall(Drag):
 
     @property
     def walls(self) -> Walls:
-        """Planes beside the bead, for schemes of thermal motion: this drag, which
-        describes them.
-        """
+        """Planes beside the bead, for schemes of thermal motion; this drag describes them."""
         return self
 
     def compiled(self) -> tuple[Kernel, Data]:
@@ -55,12 +54,12 @@ class BesideWall(Drag):
 
 @cached_njit(error_model="numpy", nogil=True)
 def _beside_walls(pose, data, mobility):  # type: ignore[no-untyped-def]
-    """Kernel of `BesideWall`: fill the mobilities and, if asked for, their gradients.
+    """Fill the mobilities and, if requested, their gradients, as the kernel of `BesideWall`.
 
-    Entries of the data: beta_v, kg/s, and beta_w, N m s, far from everything; radius, m; planes (1
-    or 2, 2) with position, m, and normal. A bead nearer than `_NEAREST` to a plane, or in it, has
-    the mobilities at a positive gap, and those of a mirror image inside: a bead that is pushed back
-    must be able to move.
+    The data contain beta_v (kg/s) and beta_w (N m s) far from everything, the radius (m), and the
+    planes (1 or 2, 2) with position (m) and normal. A bead nearer than `_NEAREST` to a plane has
+    the mobilities at this gap. A bead inside a plane has those of its mirror image. A bead that is
+    pushed back must be able to move.
     """
     translation, rotation = 1.0 / number(data, 0), 1.0 / number(data, 1)
     radius, planes = number(data, 2), matrix(data, 3)
@@ -92,9 +91,9 @@ def _beside_walls(pose, data, mobility):  # type: ignore[no-untyped-def]
 def between_walls(g, room):  # type: ignore[no-untyped-def]
     """Return five mobilities over Stokes's beside one plane or between two, and their derivatives.
 
-    g: gap to one plane; room: sum of the gaps to both, infinite for one plane; in radii. The
-    mobilities are those towards the planes, along them, of spin, of turn and of rolling (times a
-    radius); then follow the derivatives of these five by g.
+    `g` is the gap to one plane, and `room` the sum of the gaps to both, infinite for one plane;
+    both are in radii. The mobilities are towards the planes, along them, of spin, of turn and of
+    rolling (times a radius). The derivatives of these five by g follow.
     """
     across, along, spin, turn, roll, across_by, along_by, spin_by, turn_by, roll_by = (
         wall.mobilities(g)
@@ -115,9 +114,9 @@ def between_walls(g, room):  # type: ignore[no-untyped-def]
 def _together(one, by_gap, other, by_other):  # type: ignore[no-untyped-def]
     """Return a mobility between two planes and its derivative by the gap to the first plane.
 
-    one, other: mobilities beside each plane alone, over Stokes's; by_gap, by_other: their
-    derivatives, each by the gap to its own plane. The resistances, 1/mobility, less Stokes's are
-    added.
+    `one` and `other` are the mobilities beside each plane alone, over Stokes's. `by_gap` and
+    `by_other` are their derivatives, each by the gap to its own plane. The resistances, 1/mobility,
+    less Stokes's are added.
     """
     both = one + other - one * other
     own, others = other / both, one / both

@@ -1,7 +1,7 @@
-"""What pushes and turns a bead: the contract of every force, and forces made of forces.
+"""Forces and moments on a bead: the interface of every force, and forces made of forces.
 
-A force of your own is a function for `kernel` and a `UserForce`; `tweezer.simulate(scene,
-forces=[...])` takes it beside the forces of the scene.
+To define a force, pass a function for `kernel` to `UserForce`; `tweezer.simulate(scene,
+forces=[...])` adds it to the forces of the scene.
 """
 
 from tweezer.forces.composed import Course, Moved, Sum

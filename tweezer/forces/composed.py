@@ -101,20 +101,20 @@ class Sum(Force):
     def regions(self) -> tuple[Kernel, Data] | None:
         """Return a kernel that numbers the regions in which the force is smooth, and its data."""
         flat: list[Force] = []
-        for each in self.forces:  # the digits of a sum within it are digits of its own
+        for each in self.forces:  # a sum within this sum has its own digits
             flat += each.forces if isinstance(each, Sum) else (each,)
         parts = [part for each in flat if (part := numbered(each)) is not None]
         return (_number_all, packed(float(len(parts)), *parts)) if parts else None
 
 
 def _shortest(times: Iterable[float]) -> float:
-    """Return the shortest of some times, s; 0 stands for none and is returned if all are 0."""
+    """Return the shortest of some times, s; 0 means none, and is returned if all are 0."""
     return min(filter(None, times), default=0.0)
 
 
 @cached_njit(error_model="numpy", nogil=True)
 def _add_all(pose, data, wrench):  # type: ignore[no-untyped-def]
-    """Add several forces, as a kernel. Entries of `data`: their number, and each as a `Part`."""
+    """Add several forces, as a kernel. `data` contains their number, and each as a `Part`."""
     for each in range(int(number(data, 0))):
         add(part(data, 1 + each), pose, wrench)
 
@@ -123,8 +123,9 @@ def _add_all(pose, data, wrench):  # type: ignore[no-untyped-def]
 def _number_all(pose, data, wrench):  # type: ignore[no-untyped-def]
     """Add to `wrench.error` one number of the region in which each bead is, for several forces.
 
-    Its digits in base `_MOST_REGIONS` are the numbers of the regions of the forces; a float holds
-    eight of them. Entries of `data`: number of forces, and for each what numbers its regions.
+    Its digits in base `_MOST_REGIONS` are the numbers of the regions of the forces. A float has
+    room for eight of them. `data` contains the number of forces, and the kernel that numbers the
+    regions of each.
     """
     n, none = len(pose.time), np.zeros((0, 3, 3))
     found = Wrench(np.zeros((n, 3)), np.zeros((n, 3)), none, none, np.zeros(n))
@@ -166,13 +167,13 @@ class Course:
     values: Array
     """(n, m) at these times, in SI units"""
     amplitude: Array
-    """(m,) of the sine"""
+    """amplitude of the sine, (m,)"""
     frequency: float = 0.0
-    """1/s"""
+    """frequency of the sine, 1/s"""
     phase: float = 0.0
-    """of the sine at t = 0, rad"""
+    """phase of the sine at t = 0, rad"""
     period: float = math.inf
-    """s, of the points"""
+    """period after which the points repeat, s"""
 
     unit: str = field(init=False)
     """SI unit that values and amplitude were given with; "" if they are numbers"""
@@ -233,7 +234,7 @@ class Course:
         return np.unique(times[(times > 0) & (times < end)])
 
     def shortest_time(self, end: float) -> float:
-        """Return the shortest time scale of changes in (0, end), s; 0 if there are none."""
+        """Return the shortest time scale of changes in (0, end), s; 0 without changes."""
         kinks = self.kinks(end)
         between = float(np.diff(kinks, prepend=0.0).min()) if len(kinks) else 0.0
         swing = 1 / self.frequency if self.frequency and self.amplitude.any() else 0.0
@@ -274,7 +275,7 @@ _ENTRIES = 4
 def _course_at(data, first, time, out):  # type: ignore[no-untyped-def]
     """Fill `out` (m,) with the value of a `Course` at a time, s.
 
-    data: of a force, with the course in its entries from number `first` on.
+    The course begins at the entry `first` of the `data` of a force.
     """
     times, values = vector(data, first), matrix(data, first + 1)
     amplitude, wave = vector(data, first + 2), vector(data, first + 3)
@@ -380,8 +381,8 @@ class Moved(Force):
 def _number_moved(pose, data, wrench):  # type: ignore[no-untyped-def]
     """Add to `wrench.error` the numbers of the regions of a moved force, as a kernel.
 
-    Entries of `data`: what numbers the regions of the force at rest (`Part`), 1 if it is upside
-    down, and the course of its origin.
+    `data` contains the kernel that numbers the regions of the force at rest (`Part`), 1 if it is
+    upside down, and the course of its origin.
     """
     sign = -1.0 if number(data, 1) > 0.0 else 1.0
     here, place = Pose(pose.time, np.empty_like(pose.position), pose.orientation), np.empty(3)
@@ -397,7 +398,7 @@ def _number_moved(pose, data, wrench):  # type: ignore[no-untyped-def]
 def _add_moved(pose, data, wrench):  # type: ignore[no-untyped-def]
     """Add a moved force, as a kernel.
 
-    Entries of `data`: the force at rest (`Part`), 1 if it is upside down, the course of its origin
+    `data` contains the force at rest (`Part`), 1 if it is upside down, the course of its origin
     and the course of its strength.
     """
     force, down = part(data, 0), number(data, 1) > 0.0
@@ -442,7 +443,7 @@ class Differenced(Force):
     force: Force
     """the force, whose own gradients are not used"""
     step: float
-    """of the differences, m"""
+    """step of the differences, m"""
 
     @property
     def parts(self) -> tuple[Force, ...]:
@@ -474,7 +475,7 @@ class Differenced(Force):
 def _add_differences(pose, data, wrench):  # type: ignore[no-untyped-def]
     """Add a force, and gradients by central differences of it, as a kernel.
 
-    Entries of `data`: the force (`Part`), and the step of the differences, m.
+    `data` contains the force (`Part`) and the step of the differences (m).
     """
     force, step = part(data, 0), number(data, 1)
     n, none = len(pose.time), np.zeros((0, 3, 3))

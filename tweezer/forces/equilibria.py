@@ -26,7 +26,7 @@ Component = Callable[[Array], Array]
 
 #: Error to which a zero is located, in radii of the bead
 _ZERO = 1e-14
-#: Smallest pull at the start of an interval, N: it is positive there but for rounding
+#: Smallest pull at the start of an interval, N: rounding may make a positive pull smaller
 _PULLING = 1e-300
 #: Spacing of samples where they are not even, as a part of their distance from the origin
 _GROWTH = 0.02

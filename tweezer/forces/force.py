@@ -78,8 +78,9 @@ class Force(ABC):
     def regions(self) -> tuple[Kernel, Data] | None:
         """Return a kernel that numbers the regions of space in each of which the force is smooth.
 
-        It adds the number of the region of a pose to `wrench.error`. Its data are returned too.
-        None if the force is smooth everywhere. Integrators find when a bead leaves its region.
+        It adds the number of the region of a pose to `wrench.error`. Its data are returned too. A
+        force that is smooth everywhere returns None. Integrators find when a bead leaves its
+        region.
         """
         return None
 

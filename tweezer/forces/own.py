@@ -121,14 +121,14 @@ class UserForce(Force):
 
     @functools.cached_property
     def _data(self) -> Data:
-        """The entries of the force, as the function reads them."""
+        """Entries of the force in the form that the function reads."""
         return packed(*self.entries)
 
     @functools.cached_property
     def _met(self) -> Array:
-        """What went wrong last in compiled code, which writes it here; all 0 if nothing did.
+        """Last error in compiled code, which writes it here; all 0 without an error.
 
-        See `_OF_MET` for the numbers.
+        The comment at `_OF_MET` lists the numbers.
         """
         return np.zeros(_OF_MET)
 
@@ -138,7 +138,7 @@ class UserForce(Force):
             return Differenced(self, self.step).compiled(gradient=True)
         try:
             function = Part(_address(self.function), self._data)
-        except ForceError as error:  # plain Python may have said it better
+        except ForceError as error:  # plain Python may have given a better message
             raise ForceError(self._doubt or str(error)) from None
         return _add_guarded, packed(function, float(self._met.ctypes.data))
 
@@ -147,7 +147,7 @@ class UserForce(Force):
         return {name: value for name, value in vars(self).items() if name != "_met"}
 
     def fault(self) -> str:
-        """Return what went wrong last in compiled code, with its line; "" if nothing did."""
+        """Return the last error in compiled code, with its line; "" without an error."""
         what, time, *pose, turned, gradient = self._met.tolist()
         if not what:
             return ""
@@ -197,11 +197,11 @@ def _address(function: Kernel) -> int:
 
 @cached_njit(error_model="numpy", nogil=True)
 def _add_guarded(pose, data, wrench):  # type: ignore[no-untyped-def]
-    """Add what a function of the user's adds, as a kernel; NaN on the beads for which it fails.
+    """Add the force of a user's function, as a kernel; NaN for the beads for which it fails.
 
-    Entries of `data`: the function and its data (`Part`), the address of `UserForce._met`. The
-    function gets a wrench of its own, with zeros, for up to `_AT_ONCE` beads at a time; after an
-    exception for one bead at a time, to find the one at fault.
+    `data` contains the function with its data (`Part`) and the address of `UserForce._met`. The
+    function receives a separate wrench of zeros, for up to `_AT_ONCE` beads at a time. After an
+    exception it is called for one bead at a time, to find the one that caused it.
     """
     pose, data, wrench = borrowed(pose), borrowed(data), borrowed(wrench)
     function = part(data, 0)
@@ -274,8 +274,8 @@ def _add_gradients(found, begin, wrench):  # type: ignore[no-untyped-def]
 def _mark(data, pose, begin, found, raised):  # type: ignore[no-untyped-def]
     """Set the wrong rows of the wrench `found` to NaN, and note the last of them in `_met`.
 
-    data: of `_add_guarded`. pose: of all beads; begin: the first bead of `found`. raised: whether
-    the function raised an exception, so that all rows are wrong.
+    `data` belongs to `_add_guarded`. `pose` contains all beads, and `begin` is the first bead of
+    `found`. All rows are wrong if the function has `raised` an exception.
     """
     met = array_at(int(number(data, 1)), (_OF_MET,))
     gradient, turned = len(found.force_gradient) > 0, len(pose.orientation) > 0

@@ -24,13 +24,13 @@ from tweezer.values.arrays import Array
 from tweezer.values.printed import printed
 from tweezer.values.vectors import Comparable, Vector, fixed
 
-#: Numbers of samples from the axis to the rim of the box, and of heights in a depth of focus
+#: Number of samples from the axis to the rim of the box, and of heights per focal depth
 _ACROSS, _ALONG = 24, 6
-#: Radius of a ring below which it is a place on the axis, in radii of the bead
+#: Radius of a ring below which it is a point on the axis, in radii of the bead
 _ON_AXIS = 1e-3
 #: Largest force left on a ring, as a part of the force beside it
 _VANISHED = 1e-7
-#: Distance below which two places are the same, in radii of the bead
+#: Distance below which two positions are the same, in radii of the bead
 _SAME = 1e-3
 #: Smallest ratio of two rates, of the velocity's and of the position's relaxation, at which inertia
 #: has no effect

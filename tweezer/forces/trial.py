@@ -182,8 +182,8 @@ def _is_library(function: Any) -> bool:
 def _read(name: str, read: Any, axes: int, data: Data, entry: Any) -> Any:
     """Return an entry of a force's data, in plain Python; raise `_MisreadError` for a wrong one.
 
-    name: of the reader, for messages. read: its function. axes: number of axes of the entries that
-    it reads. entry: what the user's function gives as the number of the entry.
+    `name` is the name of the reader, for messages, and `read` its function. It reads entries with
+    `axes` axes. `entry` is the number of the entry that the user's function passes.
     """
     many = len(data.shapes)
     if isinstance(entry, bool) or not isinstance(entry, int | np.integer):
@@ -302,7 +302,7 @@ def alike(one: Array, other: Array) -> bool:
 def _is_set(before: Wrench, now: Wrench) -> bool:
     """Return whether a function has set a filled wrench instead of adding to it.
 
-    The wrench was filled with numbers that are large beside what the function adds.
+    The wrench was filled with numbers that are large compared with the force of the function.
     """
     return any(
         (np.abs(values - first) > _ADDED * np.abs(first)).any()
@@ -430,7 +430,8 @@ def _first_line(
 ) -> int | None:
     """Run a function, and return the number of the first line after which its wrench is wrong.
 
-    is_wrong: returns that of a wrench. None if the wrench never is.
+    `is_wrong` returns whether a wrench is wrong. The result is the number of a line, or None for a
+    wrench that is never wrong.
     """
     line, found = 0, None
 

@@ -17,7 +17,7 @@ from tweezer.forces.force import Force, Kernel
 CLOSEST = 0.165e-9
 #: Length in which the repulsion of atoms that touch falls to 1/e, m (ibid., 7.1)
 BORN = 2e-11
-#: Lengths after which nothing is left of it
+#: Gap, in units of `BORN`, beyond which this repulsion is negligible
 _GONE = 60.0
 
 
@@ -26,8 +26,8 @@ class Dlvo(Force):
     """Force of Derjaguin, Landau, Verwey and Overbeek (DLVO) between a sphere and a plane.
 
     Its potential is B exp(-gap/l_D) - A_H r/(6 gap): both double layers in Derjaguin's
-    approximation, and van der Waals's attraction next to contact, without retardation. Nearer than
-    `CLOSEST` the force stays as it is there.
+    approximation, and the van der Waals attraction near contact, without retardation. At gaps below
+    `CLOSEST` the force is constant.
     """
 
     radius: float
@@ -80,10 +80,10 @@ def _add_dlvo(pose, data, wrench):  # type: ignore[no-untyped-def]
 class Contact(Force):
     """Force that keeps a bead on a wall from sinking into it: F_0 exp(-gap/`BORN`).
 
-    The form is Born and Mayer's. A bead pushed by F rests at the gap l ln(F_0/F), which is 7 l and
-    more, l = `BORN`. The mobility towards the wall is there in proportion to the gap, so that it
-    comes to rest at the rate b F/r times a logarithm, with the mobility b far away: no faster than
-    a force like that moves a bead elsewhere, and nothing is stiff.
+    The form is Born and Mayer's. A bead pushed by F rests at the gap l ln(F_0/F), which is 7 l or
+    more, l = `BORN`. Near the wall the mobility is proportional to the gap. The bead therefore
+    comes to rest at the rate b F/r times a logarithm, with the mobility b far away. This is no
+    faster than such a force moves a bead elsewhere, so the equations are not stiff.
     """
 
     radius: float
@@ -104,7 +104,7 @@ class Contact(Force):
 def _add_contact(pose, data, wrench):  # type: ignore[no-untyped-def]
     """Add the force of `Contact` along z, as a kernel.
 
-    Entries of `data`: r, m; z of the wall, m; normal, 1 or -1; F_0, N.
+    `data` contains r (m), z of the wall (m), the normal (1 or -1) and F_0 (N).
     """
     radius, position = number(data, 0), number(data, 1)
     normal, largest = number(data, 2), number(data, 3)

@@ -79,13 +79,14 @@ def cone(scene: Scene) -> Cone:
     """Return the cone of light of `scene`; a dark one if it has no light.
 
     A ring of the pupil carries I(rho) 2 pi rho drho (3.3)-(3.5) into the polar angle theta(rho) of
-    the lens map, so the power per solid angle is I rho (drho/dtheta)/sin(theta): I f^2/cos^3(theta)
-    for rho = f tan(theta), and I (R n_m/NA)^2 cos(theta) for rho = (R n_m/NA) sin(theta). With a
-    cover it is the light before the face: theta and n are those of the medium there.
+    the lens map. The power per solid angle is therefore I rho (drho/dtheta)/sin(theta). This is
+    I f^2/cos^3(theta) for rho = f tan(theta), and I (R n_m/NA)^2 cos(theta) for
+    rho = (R n_m/NA) sin(theta). With a cover it is the light before the face, with the angle theta
+    and the index n there.
 
     The cone ends where the beam does: at the rim of the pupil, where a table ends, or where the
     intensity has fallen below 1e-18 of its peak. Raises `SceneError` if a series of degree 120 does
-    not describe the light: it comes almost at a right angle to the axis, or its table is too
+    not describe the light, because it is almost at a right angle to the axis or its table is too
     uneven.
     """
     lens, beam, medium = scene.lens, scene.beam, scene.medium
@@ -111,8 +112,8 @@ def fraction_through_pupil(lens: Lens, beam: Beam) -> float:
     """Return the part of the beam's power that passes the pupil of radius R.
 
     With t = R^2/(2 sigma^2) a Gaussian has 1 - exp(-t). A beam of intensity t^n exp(-t) has the
-    incomplete gamma function P(n + 1, t): n = |l| for a Gaussian beam with a vortex, which is
-    Laguerre-Gauss with p = 0, and n = 1 for the donut (TEM*01).
+    incomplete gamma function P(n + 1, t). For a Gaussian beam with a vortex, which is
+    Laguerre-Gauss with p = 0, n = |l|; for the donut (TEM*01), n = 1.
     Raises `SceneError` for a beam that leaves the pupil dark.
     """
     if beam.profile == "uniform":
@@ -185,8 +186,8 @@ def polar_sine_and_cosine(rho: Array, lens: Lens, medium: Medium) -> tuple[Array
 def behind_face(angle: float, before: float, behind: float) -> float:
     """Return the angle to the axis, rad, of a ray behind a plane face across it (Snell's law).
 
-    angle: rad, before the face. before, behind: refractive indices. A right angle for a ray that
-    the face reflects totally.
+    `angle` (rad) is the angle before the face; `before` and `behind` are refractive indices. The
+    result is a right angle for a ray that the face reflects totally.
     """
     return math.asin(min(math.sin(angle) * before / behind, 1.0))
 
@@ -206,9 +207,9 @@ class _Shape:
 
 
 def _shape_behind(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
-    """Return the shape of the cone of light, which the power of the beam does not change.
+    """Return the shape of the cone of light, which does not depend on the power of the beam.
 
-    So it is computed once for beams of all powers.
+    It is therefore computed once for beams of all powers.
     """
     of_one_watt = beam.model_copy(update={"power": None, "power_through_pupil": 1.0})
     return _shape_of_one_watt(lens, of_one_watt, medium)

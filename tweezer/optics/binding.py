@@ -152,11 +152,11 @@ def _stairs(times: Array, values: Array, before: Array) -> tuple[Array, Array]:
 
 @functools.lru_cache(maxsize=16)
 def light_of_one_beam(scene: Scene) -> LightForce:
-    """The force of the light of a scene's only beam.
+    """Return the force of the light of a scene's only beam.
 
-    The map is computed if the user's cache folder does not hold it: see `force_map`. Warns once
-    (`PhysicsWarning`) how far ray optics holds: see `ray_optics_warning`. Warns if the series of a
-    beam's table deviates from it by more than 0.1 % of the peak.
+    The map is computed unless the user's cache folder contains it (`force_map`). Warns once
+    (`PhysicsWarning`) how far ray optics is valid (`ray_optics_warning`). Also warns if the series
+    of a beam's table deviates from it by more than 0.1 % of the peak.
     """
     if scene.theory == "rays" and (warning := ray_optics_warning(scene)) is not None:
         _warn_once(f"{warning}; tweezer.optics.ray_optics_caveat(scene) says more")
@@ -185,17 +185,17 @@ class Dark(LightForce):
 
 
 def force_map(scene: Scene, progress: Progress | None = None) -> Table:
-    """The table of the force of a scene's light, from the user's cache folder or computed and
-    stored.
+    """Return the force table of a scene's light, from the user's cache folder or computed.
 
-    It reaches `optics.table_range` from the focus. Its tolerance is `optics.table_tolerance`
-    times the largest force there. progress: called with the finished part, 0 to 1, while it is
-    computed; a second process that needs the same table waits for the first. One table serves every
-    power of the light, and all scenes that differ only in scale; of waves, the wavelength too.
+    A computed table is stored there. It reaches `optics.table_range` from the focus. Its tolerance
+    is `optics.table_tolerance` times the largest force there. `progress` is called with the
+    finished part, 0 to 1, while it is computed. A second process that needs the same table waits
+    for the first. One table serves every power of the light, and all scenes that differ only in
+    scale; with wave optics the wavelength is scaled too.
 
     Raises `SceneError` for a scene without light, or for linear polarisation of rays. Warns
-    (`PhysicsWarning`) if the tolerance is not reached; `Table.certified_error` is the bound that
-    holds. Warns if the file is damaged, and is then computed again, or if it cannot be written.
+    (`PhysicsWarning`) if the tolerance is not reached; `Table.certified_error` is the actual bound.
+    Also warns if the file is damaged, and is then computed again, or if it cannot be written.
     """
     if scene.more_beams:
         raise SceneError("beam: a map is of one beam; a run makes that of each that it needs")
@@ -206,7 +206,7 @@ def force_map(scene: Scene, progress: Progress | None = None) -> Table:
 
 
 def evaluators_of(scene: Scene) -> str:
-    """Names of the evaluators of the beams of `scene`; "dark" for a beam without light."""
+    """Return the names of the evaluators of the scene's beams; "dark" for a beam without light."""
     name = evaluator(scene.optics.evaluator).name
     lit = {scene.with_one_beam(beam).lit for beam in scene.beams}
     return ", ".join(sorted(name if each else "dark" for each in lit))

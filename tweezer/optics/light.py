@@ -92,8 +92,8 @@ class LightForce(Force):
     scales: ClassVar[bool] = False
     """whether the force depends on positions in radii of the bead alone, as in ray optics"""
     smooth: ClassVar[bool] = True
-    """whether the force is that of continuous light: a sum over a grid of rays jumps, and far from
-    the focus a few rays push a bead with a force that does not fade"""
+    """whether the force is the one of continuous light; a sum over a grid of rays jumps, and far
+    from the focus a few rays push a bead with a force that does not fade"""
 
     def field(
         self,

@@ -23,7 +23,7 @@ class Mapped(LightForce):
     made: Made
     """the table"""
     unit: float
-    """of the table's lengths, m"""
+    """unit of the table's lengths, m"""
     outside: LightForce
     """the force outside the table's range"""
 

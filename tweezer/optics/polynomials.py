@@ -36,7 +36,7 @@ def read(numbers, first, functions, many, found, u, v, gradient, rows, out):  # 
     of beads. Their coordinates on the pieces start at `found[u]` and `found[v]`.
 
     `out` receives eight values of each function. With `gradient`, eight derivatives over u and
-    eight over v follow. The entries of missing beads have no meaning. `rows` is work space: `ROWS`
+    eight over v follow. The entries of missing beads are arbitrary. `rows` is work space: `ROWS`
     numbers for each function, or twice as many with `gradient`.
     """
     kinds, slopes = 3 if gradient else 1, functions * ROWS
@@ -83,9 +83,10 @@ def _slope(c, v, square, fourth):  # type: ignore[no-untyped-def]
 def put(f, h, g, x, y, unit, per_length, gradient, parts):  # type: ignore[no-untyped-def]
     """Fill `parts` with the vectors unit (f x - h y, f y + h x, g) of eight beads.
 
-    f, h, g: functions of the position, each a value and its derivatives over x, y and z. x, y: of
-    the beads, in 1/per_length. unit: of the vector, N or N m. gradient: whether the gradients are
-    stored too, in unit per_length. parts: `PARTS` numbers, see `add_up`.
+    `f`, `h` and `g` are functions of the position, each a value and its derivatives over x, y and
+    z. `x` and `y` are coordinates of the beads in 1/per_length. `unit` is the unit of the vector, N
+    or N m. With `gradient` the gradients are stored too, in unit per_length. `parts` has `PARTS`
+    numbers, in the order that `add_up` describes.
     """
     store(parts, 0, unit * (f[0] * x - h[0] * y))
     store(parts, LANES, unit * (f[0] * y + h[0] * x))
@@ -105,9 +106,10 @@ def put(f, h, g, x, y, unit, per_length, gradient, parts):  # type: ignore[no-un
 
 @named_njit(**INNER)
 def coordinates(position, at, many, spare):  # type: ignore[no-untyped-def]
-    """Return x, y and z of eight beads of `position` (n, 3), from the bead `at` on.
+    """Return x, y and z of eight beads of `position` (n, 3), of which `at` is the first.
 
-    If only `many` < 8 are left, the last of them is repeated. spare: `PLACES` numbers to work with.
+    If only `many` < 8 are left, the last of them is repeated. `spare` is a workspace of `PLACES`
+    numbers.
     """
     if many == LANES:
         return columns(position, 3 * at)
@@ -123,10 +125,10 @@ def coordinates(position, at, many, spare):  # type: ignore[no-untyped-def]
 def add_up(parts, there, at, many, whole, gradient, vectors, gradients):  # type: ignore[no-untyped-def]
     """Add the vectors of up to eight beads, and their gradients, to arrays of all beads.
 
-    parts: the three entries of the vectors, then the nine of the gradients, each for eight beads.
-    there: (8,) 0 for a bead that is left out; it is not read if `whole`, that is if all eight
-    count. at, many: first bead and number of beads. gradient: whether gradients are added. vectors:
-    (n, 3); gradients: (n, 3, 3).
+    `parts` contains the three entries of the vectors, then the nine of the gradients, each for
+    eight beads. `there` (8,) is 0 for a bead that is omitted; it is not read if `whole`, when all
+    eight count. `at` is the first bead and `many` their number. The arrays are `vectors` (n, 3)
+    and, if `gradient`, `gradients` (n, 3, 3).
     """
     if whole:
         x, y, z = lanes(parts, 0), lanes(parts, LANES), lanes(parts, 2 * LANES)

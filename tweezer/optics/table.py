@@ -73,12 +73,13 @@ class Made(Protocol):
         """Number of pieces of the table, each with its own polynomials."""
 
     def kernel(self, *, gradient: bool) -> Kernel:
-        """Return the kernel that reads this table; gradient: whether it adds gradients too."""
+        """Return the kernel that reads this table, and adds gradients if `gradient`."""
 
     def data(self, unit: float, strength: float, beyond: Part) -> Data:
         """Return the data of the kernel.
 
-        unit: of the table's lengths, m. strength: n_m P/c, N. beyond: the force out of range.
+        `unit` is the table's unit of length (m), `strength` is n_m P/c (N), and `beyond` is the
+        force out of range.
         """
 
 
@@ -89,7 +90,7 @@ class Table:
     made: Made
     """the table in its own units"""
     unit: float
-    """of its lengths, m"""
+    """unit of its lengths, m"""
     strength: float
     """n_m P/c of all the light (refractive index, power, speed of light), N: unit of its forces"""
     path: Path | None
@@ -157,8 +158,8 @@ def stored(
 def sources(*modules: str) -> str:
     """Return the text of the code that computes a table, which is a part of the table's key.
 
-    modules: names within tweezer, beside those that all tables use. It is read on import, as a file
-    may change while the program runs.
+    `modules` are names within tweezer, in addition to those that all tables use. The text is read
+    on import, because a file may change while the program runs.
     """
     own = ("beam", "beyond", "light", "mapped", "table", "turning")
     names = (*modules, "forces.data", "forces.force", *(f"optics.{name}" for name in own))
@@ -169,10 +170,10 @@ def sources(*modules: str) -> str:
 
 
 def key(code: str, cone: Cone, *said: Any) -> str:
-    """Return a digest of all that a table depends on, by which it is stored.
+    """Return the digest under which a table is stored: it covers everything that affects the table.
 
-    code: from `sources`. cone: of light, of which the shape counts alone; it is rounded, so that
-    the power does not change it. said: all other things that the table depends on.
+    `code` is a result of `sources`. Only the shape of the `cone` of light is included, rounded, so
+    that the power does not change the digest. `said` is everything else that affects the table.
     """
     shape = np.round(cone.series / np.abs(cone.series).max(), 13) + 0.0  # no -0
     return hashlib.sha256(f"{code}{said}{shape.tolist()}".encode()).hexdigest()
@@ -190,7 +191,8 @@ def _kept(
 ) -> tuple[AnyMade, Path | None]:
     """Return the table in the cache folder, and its file; compute it if missing or damaged.
 
-    key, kind, make: as in `stored`. The file is None if it could not be written.
+    `key`, `kind` and `make` are described in `stored`. If the table could not be written, no file
+    is returned.
     """
     path = tables_folder() / f"{key}.table"
     if (made := _load(path, key, kind)) is not None:

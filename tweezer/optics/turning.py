@@ -1,4 +1,4 @@
-"""From the frame with the bead in the plane y = 0 back to that of the scene."""
+"""Rotation of a force from the frame with the bead in the plane y = 0 to the scene's frame."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from tweezer.compiled import named_njit
 def put(found, cosine, sine, gradient, moment, at, wrench):  # type: ignore[no-untyped-def]
     """Add the force on one bead to row `at` of a `Wrench`, turned about z into the scene's frame.
 
-    found: (24,) force, moment, and their gradients, row by row, with the bead in the plane y = 0.
-    cosine, sine: of the bead's azimuth. gradient, moment: whether these are added.
+    `found` (24,) are force, moment and their gradients, row by row, with the bead in the plane
+    y = 0. The bead's azimuth has this `cosine` and `sine`. Gradients and moments are added if
+    `gradient` and `moment` are true.
     """
     wrench.force[at, 0] += cosine * found[0] - sine * found[1]
     wrench.force[at, 1] += sine * found[0] + cosine * found[1]
@@ -31,7 +32,7 @@ def put(found, cosine, sine, gradient, moment, at, wrench):  # type: ignore[no-u
 def _add_turned(matrix, cosine, sine, out):  # type: ignore[no-untyped-def]
     """Add R J R^T to `out` (3, 3): the matrix J, (9,) row by row, turned about z by R.
 
-    cosine, sine: of the angle.
+    The angle has this `cosine` and `sine`.
     """
     half = np.empty(9)
     for j in range(3):

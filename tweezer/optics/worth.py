@@ -33,13 +33,13 @@ ALIKE = math.sqrt(2.0)
 #: Factor by which ranges are widened, because the table has gaps. In 184 random trusted cases the
 #: widened ranges contained 94 to 99 % of the exact ratios
 MARGIN = 1.1
-#: Column of the table: 1 where rays have a trap, or else 0
+#: Column of the table: 1 if rays predict a trap, or else 0
 RAY_TRAP = "ray_trap"
-#: Columns of the table: errors of the force of rays, as parts of the largest that they give. The
-#: root of the mean square, and the largest, with the focus up to 0.7 radii from the centre; the
-#: largest from there to 1.6 radii
+#: Columns of the table: errors of the force by rays, over the largest such force. The first two are
+#: the root mean square and the largest with the focus up to 0.7 radii from the centre. The third is
+#: the largest from there to 1.6 radii
 ERRORS = ("force_inside_rms", "force_inside", "force_at_edge")
-#: Column of the table: equilibrium by waves minus that by rays, in radii
+#: Column of the table: equilibrium by waves minus the one by rays, in radii
 SHIFT = "equilibrium_shift"
 #: Columns of the table: ratios of wave optics to ray optics
 RATIOS = (
@@ -128,15 +128,15 @@ class RayOpticsWorth:
 def ray_optics_worth(scene: Scene) -> RayOpticsWorth | None:
     """Return the validity of ray optics for the bead and the light of `scene`.
 
-    None without light, or where the light is computed as waves.
+    There is no result (None) without light, or where the light is computed as waves.
 
-    The exact force is that of plane waves in phase at the focus (Debye's integral), unpolarised,
-    scattered by a sphere (Mie). It oscillates with the bead's size, and only its average
+    The exact force is computed for unpolarised plane waves in phase at the focus (Debye's
+    integral), scattered by a sphere (Mie). It oscillates with the bead's size, and only its average
     over sizes tends to ray optics (Mazolli, Maia Neto and Nussenzveig, Proc. R. Soc. A 459, 3021,
-    2003). Beads outside the table's 0.25 to 32 wavelengths, and apertures outside its range, take
-    the ratios at its border. Of several beams the first is compared, as if it were alone; beams
-    that face each other were not compared. In linear light the exact stiffness also differs along x
-    and y, by a third for beads of about a wavelength.
+    2003). For beads outside the table's 0.25 to 32 wavelengths, and apertures outside its range,
+    the ratios at its border are used. If there are several beams, the first is compared as if it
+    were alone; beams that face each other were not compared. In linear light the exact stiffness
+    also differs along x and y, by a third for beads of about a wavelength.
     """
     if not scene.lit or scene.theory == "waves":
         return None
@@ -273,8 +273,9 @@ def _alike(index_ratio: float, aperture: float, wavelengths: float) -> dict[str,
     """Return the table's rows for beads and light like those of a scene, by column.
 
     Their size differs by up to `ALIKE`; their apertures and index ratios are the nearest ones on
-    both sides. index_ratio: n_P/n_m of bead and medium, out of `INDEX_RATIOS` no rows are alike.
-    aperture: `Cone.spread`. wavelengths: diameter of the bead in wavelengths in the medium.
+    both sides. `index_ratio` is n_P/n_m of bead and medium; outside `INDEX_RATIOS` no rows are
+    alike. `aperture` is `Cone.spread`, and `wavelengths` the diameter of the bead in wavelengths in
+    the medium.
     """
     table = _table()
     sizes = table["wavelengths"]

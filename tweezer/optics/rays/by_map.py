@@ -62,8 +62,8 @@ def _stored(
 ) -> tuple[Made, Path | None]:
     """Return the map of a scene and the file it is stored in; it is made if there is no file.
 
-    The file's name follows from all that the map depends on: in units of the radius and of
-    n_m P/c neither the radius nor the power.
+    The file's name follows from everything that affects the map. In units of the radius and of
+    n_m P/c, radius and power do not affect it.
     """
     if scene.beam.polarisation == "linear":
         raise SceneError(NO_MAP)
@@ -71,7 +71,7 @@ def _stored(
     tolerance, reach = scene.optics.table_tolerance, scene.table_radii
 
     def make() -> Made:
-        """Compute the map, by a quadrature that is more accurate than it."""
+        """Compute the map by a quadrature that is more accurate than the map's tolerance."""
         return build(
             to_tolerance(in_radii, max(1e-13, _FINER * tolerance)).field,
             half_angle=rays.cone.half_angle,

@@ -1,14 +1,16 @@
 """Coordinates of a force table, in which the force is smooth up to the edges; and its reader.
 
 Lengths are in radii of the bead, forces in n_m P/c (refractive index of the medium, power, speed of
-light). The force F of axisymmetric light is then a function of the bead's polar coordinates (d,
-gamma) in the meridional plane alone: its distance from the focus, and the angle at which it is seen
-from there, off the axis. theta_m is the half angle of the cone of light. F is analytic but for
+light). The force F of axisymmetric light depends only on polar coordinates (d, gamma) of the bead
+in the meridional plane: its distance from the focus and its angle to the axis. Let theta_m be the
+half angle of the cone of light. F is analytic except in two places:
 
-* the circle d = 1 between gamma = a and b, pi/2 -+ theta_m: the plane through the focus across the
-  line to the bead then holds rays of the cone, and F goes like w^2 log(w), w^2 = |1 - d^2|;
-* the lines where the bead touches a ray of the rim. Seen from the focus, a bead outside it covers a
-  cone; the rays in the band between p + pi/2 and q + pi/2 miss it, p, q = gamma -+ arccos(1/d). It
+* The circle d = 1 between gamma = a and b, pi/2 -+ theta_m. There the plane through the focus
+  across the line to the bead contains rays of the cone, and F varies as w^2 log(w) with
+  w^2 = |1 - d^2|.
+* The lines are where the bead touches a ray of the rim. Seen from the focus, a bead outside it
+covers a
+  cone. The rays in the band between p + pi/2 and q + pi/2 miss it, p, q = gamma -+ arccos(1/d). It
   touches the rim where p or q is one of a, b or their mirror images -a and pi + a. There F is
   singular as a power 5/2.
 
@@ -126,11 +128,11 @@ class Blocks(NamedTuple):
 def blocks(half_angle: float, reach: float) -> Blocks:
     """Return the blocks of a table: rectangles in coordinates (x, y) in which the force is smooth.
 
-    half_angle: theta_m of the cone of light, rad. reach: largest distance of the bead from the
-    focus, in radii. tau is tan(theta_m/2), and P, Q are the coordinates of the outer chart. Block 0
-    is the core, 1 to 3 the ring, and 5 + 5 i + j the part of the outer chart between lines i and i
-    + 1 of P, and j and j + 1 of Q. The one between -tau and tau twice is the triangle instead: its
-    half y > 0; the other is block 4.
+    The cone of light has the half angle theta_m = `half_angle` (rad), and tau = tan(theta_m/2). The
+    bead is at most `reach` radii from the focus. P and Q are the coordinates of the outer chart.
+    Block 0 is the core and blocks 1 to 3 are the ring. Block 5 + 5 i + j is the part of the outer
+    chart from line i of P to the next and from line j of Q to the next. The block between -tau and
+    tau twice is the half y > 0 of the triangle instead; the other half is block 4.
     """
     sine, tau = math.sin(half_angle), math.tan(half_angle / 2)
     farthest = max(math.tan((math.pi / 2 + math.acos(1 / max(reach, 1.0))) / 2), 1.5 / tau)
@@ -186,7 +188,8 @@ def _places(chart: int, x: Array, y: Array, half_angle: float) -> tuple[Array, A
 def beyond(chart: Integers, bounds: Array, reach: float) -> NDArray[np.bool_]:
     """Return whether rectangles lie wholly outside the table's range, by more than rounding, (n,).
 
-    chart: (n,) of each; bounds: (n, 4) x from, to, y from, to; reach: the range, in radii.
+    `chart` (n,) is the chart of each. `bounds` (n, 4) are its ends in x and in y, and `reach` is
+    the range in radii.
     """
     slack = 1e-9
     x0, x1, y0, y1 = bounds.T
@@ -210,8 +213,8 @@ def _core(rho, squared, z, numbers, frames):  # type: ignore[no-untyped-def]
     """Return the place of eight beads in the chart of the core.
 
     The core is the region of the table in which the focus is near the centre of the bead. The
-    result has nine entries: the block; the coordinates x = rho^2 and y = z; the fractions of the
-    block's width below x and y; dx/drho, dx/dz, dy/drho and dy/dz.
+    result has nine entries. First come the block, and the coordinates x = rho^2 and y = z. The
+    fractions of the block's width below x and y follow, then dx/drho, dx/dz, dy/drho and dy/dz.
 
     rho and z are positions of the beads in radii, and `squared` is rho^2. The frames of the blocks
     start at `numbers[frames]` in the data of the kernel.
@@ -226,8 +229,8 @@ def _core(rho, squared, z, numbers, frames):  # type: ignore[no-untyped-def]
 def _ring(rho, z, dd, numbers, frames):  # type: ignore[no-untyped-def]
     """Return the place of eight beads in the chart of the ring, with the focus inside the bead.
 
-    rho, z: in radii; dd: d^2 = rho^2 + z^2 < 1. The coordinates are x = sqrt(1 - d^2), y = z/d.
-    Other arguments and the result are as in `_core`.
+    rho and z are in radii, and `dd` is d^2 = rho^2 + z^2 < 1. The coordinates are x = sqrt(1 - d^2)
+    and y = z/d. Other arguments and the result are as in `_core`.
     """
     w = _largest(root(1.0 - dd), spread(_LEAST_W))
     over_d, per_w = 1.0 / root(dd), 1.0 / w
@@ -246,9 +249,10 @@ def _ring(rho, z, dd, numbers, frames):  # type: ignore[no-untyped-def]
 def _outside(rho, z, dd, tau, numbers, frames):  # type: ignore[no-untyped-def]
     """Return the place of eight beads in the outer chart or the triangle, as `_core`.
 
-    The focus is outside the bead. rho, z: in radii; dd: d^2 = rho^2 + z^2; tau: tan(theta_m/2),
-    theta_m the half angle of the cone. The outer coordinates are P = tan((p - pi/2)/2) and
-    Q = tan((q - pi/2)/2), with p, q = gamma -+ arccos(1/d) and gamma the bead's angle to the axis.
+    The focus is outside the bead. rho and z are in radii, `dd` is d^2 = rho^2 + z^2, and `tau` is
+    tan(theta_m/2) for the half angle theta_m of the cone. The outer coordinates are
+    P = tan((p - pi/2)/2) and Q = tan((q - pi/2)/2), with p, q = gamma -+ arccos(1/d) and gamma the
+    bead's angle to the axis.
     """
     w = _largest(root(dd - 1.0), spread(_LEAST_W))
     below_p, below_q = dd + rho - z * w, dd + rho + z * w
@@ -289,8 +293,8 @@ def _outside(rho, z, dd, tau, numbers, frames):  # type: ignore[no-untyped-def]
 def _interval(a, numbers, first, apart, count):  # type: ignore[no-untyped-def]
     """Return the number of the interval that contains `a`, and the part of its width below `a`.
 
-    a: eight numbers. There are `count` intervals, one after the other; the begin of interval k and
-    1/width are in `numbers` at first + k apart and at the entry after that.
+    `a` are eight numbers. There are `count` intervals, one after the other. The beginning of
+    interval k is in `numbers` at first + k apart, and 1/width at the next entry.
     """
     number, begin, per_width = spread(0.0), spread(numbers[first]), spread(numbers[first + 1])
     for k in range(1, count):
@@ -324,9 +328,9 @@ def _size(a):  # type: ignore[no-untyped-def]
 def _put_chart(chart, which, gradient, found, digits):  # type: ignore[no-untyped-def]
     """Store the place of eight beads in a chart where the words `which` are set, else keep it.
 
-    chart: place as from `_core`. gradient: whether its derivatives are stored too. found: gets
-    block, coordinates and derivatives. digits: gets the binary digits of the parts of the block's
-    width, by which `_piece_of` finds the piece.
+    `chart` is a result of `_core`. `found` receives its block and coordinates, and with `gradient`
+    its derivatives. `digits` receives the binary digits of the fractions of the block's width, by
+    which `_piece_of` finds the piece.
     """
     for k in range(3):
         at = _BLOCK + k * LANES
@@ -345,10 +349,10 @@ def _put_chart(chart, which, gradient, found, digits):  # type: ignore[no-untype
 
 @named_njit(**INNER)
 def _put_charts(x1, x2, z, data, gradient, found, digits):  # type: ignore[no-untyped-def]
-    """Find the chart of each of eight beads and store its place there to `found` and `digits`.
+    """Find the chart of each of eight beads; store its place there in `found` and `digits`.
 
-    x1, x2, z: positions in radii. data: of the kernel. gradient: whether derivatives are stored.
-    The block of a bead beyond the table's range is -1.
+    Positions x1, x2 and z are in radii, and `data` belongs to the kernel. With `gradient` the
+    derivatives are stored. The block of a bead beyond the table's range is -1.
     """
     numbers, shape, frames = data.numbers, begin_of(data, 0), begin_of(data, 1)
     tau, reach = numbers[shape + 1], numbers[shape + 2]
@@ -374,8 +378,9 @@ def _put_charts(x1, x2, z, data, gradient, found, digits):  # type: ignore[no-un
 def _piece_of(block, along_x, along_y, integers, roots, index):  # type: ignore[no-untyped-def]
     """Return the number of the piece that contains a position in a block, or `NO_PIECE`.
 
-    along_x, along_y: digits of the parts of the block's width below the position. roots, index:
-    where both arrays of a table begin in `integers`, the data as 32-bit integers.
+    `along_x` and `along_y` are digits of the fractions of the block's width below the position.
+    The arrays `roots` and `index` of a table begin at these entries of `integers`, the data as
+    32-bit integers.
 
     An index entry is the number of a piece, or -2 - (64 start + 8 bits_x + bits_y) for a page: a
     grid of 2^bits_x by 2^bits_y entries over the same rectangle. So the digits lead to the piece.
@@ -436,7 +441,7 @@ def _find(position, at, many, data, gradient, pieces, size, first, there, found)
 def find(positions, data, piece_out):  # type: ignore[no-untyped-def]
     """Fill `piece_out` (n,) with the numbers of the pieces of positions (n, 3) m, or `NO_PIECE`.
 
-    data: of the kernel of the table.
+    `data` belongs to the kernel of the table.
     """
     first, there = on_stack(LANES, np.int64), on_stack(LANES, np.int64)
     found = on_stack(_FOUND, np.float64)
@@ -452,10 +457,10 @@ def find(positions, data, piece_out):  # type: ignore[no-untyped-def]
 def _function(values, at, gradient, found):  # type: ignore[no-untyped-def]
     """Return a function of rho and z, and its derivatives over x1, x2 and z, for eight beads.
 
-    values: as `read` leaves them, the function's from `at` on: itself, and its derivatives over the
-    coordinates u, v on the piece. found: with the derivatives of these over rho and z in radii.
-    Without `gradient` the value stands in for the derivatives, which are not read: compiled code
-    always returns four.
+    In the output `values` of `read` the function starts at `at`, followed by its derivatives over
+    the coordinates u and v on the piece. `found` contains the derivatives of u and v over rho and z
+    in radii. Compiled code always returns four numbers. Without `gradient` the value replaces the
+    derivatives, which no caller reads.
     """
     value = lanes(values, at)
     if not gradient:
@@ -473,11 +478,10 @@ def _function(values, at, gradient, found):  # type: ignore[no-untyped-def]
 def kernel(*, gradient: bool, moment: bool) -> Kernel:
     """Return the kernel that reads a table, compiled without the parts that a scene does not need.
 
-    gradient, moment: whether it adds gradients, and the moment (3.25).
-
-    Its data are the radius (m), the tangent of half of the cone's half angle, the range (radii),
-    n_m P/c (N), which is the unit of force, and the bound on the error of the force (N);
-    `frames`, `roots`, `index`, `heads` and `pieces` of `tweezer.optics.rays.tabulate.Made`; and the
+    The kernel adds gradients if `gradient`, and the moment (3.25) if `moment`. Its data begin with
+    the radius (m), tan(theta_m/2) for the half angle theta_m of the cone and the range (radii).
+    The unit of force n_m P/c (N) and the bound on the error of the force (N) follow. Then come
+    `frames`, `roots`, `index`, `heads` and `pieces` of `tweezer.optics.rays.tabulate.Made`, and the
     force outside the range.
     """
     components, kinds = 3 if moment else 2, 3 if gradient else 1

@@ -1,9 +1,9 @@
 """Rays in tiles, so that rays far from the bead cost nothing.
 
-A ray through the focus along u hits the bead at p when it passes the centre within r:
-|u x p| < r, so |u . p| > d cos(asin(r/d)). A tile of neighbouring rays lies within a small angle w
-of its mean direction c; if it holds a ray that hits, the line to the bead is within asin(r/d) + w
-of c. The sum runs over the tiles that satisfy this, and misses no ray that hits.
+A ray through the focus along u hits the bead at p if it passes the centre within r:
+|u x p| < r, so |u . p| > d cos(asin(r/d)). A tile of neighbouring rays is within a small angle w
+of its mean direction c. If it contains a ray that hits, the line to the bead is within
+asin(r/d) + w of c. The sum over the tiles that satisfy this misses no ray that hits.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Tiles(NamedTuple):
 def tiles(directions: Array, strengths: Array) -> Tiles:
     """Return rays in tiles of neighbours: they are sorted into strips along x, cut along y.
 
-    directions: (3, n) unit vectors; strengths: (n,) n_m P_i/c of each ray, N.
+    `directions` (3, n) are unit vectors, and `strengths` (n,) are n_m P_i/c of each ray (N).
     """
     count = strengths.size
     strips = max(1, round(math.sqrt(count / TILE)))
@@ -97,7 +97,7 @@ def grid_kernel(rays: Rays) -> Kernel:
     def sum_over_grid(pose, data, wrench):  # type: ignore[no-untyped-def]
         """Add the force of the rays that may hit each bead, as a kernel.
 
-        Entries of `data`: radius, m; n_m/n_P; Jones vector; fields of `Tiles`.
+        `data` contains the radius (m), n_m/n_P, the Jones vector and the fields of `Tiles`.
         """
         radius, n_mP, jones = number(data, 0), number(data, 1), vector(data, 2)
         tiles = Tiles(matrix(data, 3), matrix(data, 4), vector(data, 5), vector(data, 6))

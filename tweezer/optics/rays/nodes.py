@@ -1,14 +1,14 @@
-"""The rays of a rule, with their weights; and the last coefficients of what they sum.
+"""Rays of a rule with their weights, and the last coefficients of the force that they sum.
 
 The method is described in `tweezer.optics.rays.panels`. A ring is all rays at one angle g to a
 pole, the line from the focus to the bead or its continuation; its node is x = cos(g). The azimuth
-about that line is counted from the side of the beam's axis; q = sin^2(half the azimuth), from 0 to
-1.
+about that line is counted from the side of the beam's axis. q = sin^2(half the azimuth) runs from 0
+to 1.
 
-The functions share their arguments. place: `panels.Place`, the position of the bead. rule:
-`rule.Rule`, the tables of nodes and the light. rules: table of the rules of this position, (rules,
-columns), as `panels` names them; k: number of one. rays: workspace, see `scratch`, whose rows are
-named below.
+The functions share their arguments. `place`, a `panels.Place`, is the position of the bead. `rule`,
+a `rule.Rule`, contains the tables of nodes and the light. The array `rules` (rules, columns) of
+this position has the columns named in `panels`, and `k` is the number of one rule. `rays` is the
+workspace of `scratch`, whose rows are named below.
 """
 
 from __future__ import annotations
@@ -56,12 +56,12 @@ ARCSINE = tuple(
 )
 _ARCSINE_HIGH, _ARCSINE_LOW = ARCSINE[:11], ARCSINE[11:]
 
-# rows of the workspace, one number for each ray of a rule: direction, weight (n_m P/c of the ray,
-# N), size of its force (N), efficiencies and their derivatives, sin^2 of the angle of incidence
+# rows of the workspace with one number for each ray: direction, weight (its n_m P/c, N), size of
+# its force (N), efficiencies and their derivatives, sin^2 of incidence
 U1, U2, U3, WEIGHT, FORCE, Q_OF, DQ_OF, G_OF, DG_OF, S_OF = range(10)
-# and for each ring or node: cos(g), sin(g), weight of the ring, half the azimuth at
-# which an arc ends, 1 - cos(theta) at q = 0 and its change with q in sin^2(theta_m/2), q, argument
-# of the light's series, two rows to work with, sums over x for each azimuth
+# rows for each ring or node. A ring has cos(g), sin(g), its weight and half the azimuth at which an
+# arc ends; also 1 - cos(theta) at q = 0 and its change with q, in sin^2(theta_m/2). A node has q
+# and the argument of the light's series. Two rows are workspace, one the sums over x per azimuth
 _X, _S, _W, _SHARE, _NEAREST, _PER_Q, _Q, _Y, _WORK_1, _WORK_2, _AROUND = range(10, 21)
 # integrals of the light over each ring, times 1, q and q^2
 _ONE, _FIRST, _SECOND = range(21, 24)
@@ -83,11 +83,12 @@ def scratch():  # type: ignore[no-untyped-def]
 def rays_of(place, rule, rules, k, full, rays, gradient):  # type: ignore[no-untyped-def]
     """Fill `rays` with the rays of rule k, in the frame with the bead at (lateral, 0, axial).
 
-    By symmetry there are only those with u2 >= 0, with twice the weight. A ring is replaced by two
-    rays, for gradients three (`_gathered`). full: use the full series of the light, for positions
-    with little light; gradient: whether gradients are summed. place: the bead's position as seen
-    from the focus; rule: tables of nodes and the light; rules[k]: kind and size of the rule; rays:
-    workspace, a row for each quantity of a ray. Returns the number of rays.
+    By symmetry only those with u2 >= 0 are needed, with twice the weight. A ring is replaced by two
+    rays, or three for gradients (`_gathered`). `full` selects the full series of the light, for
+    positions with little light. `gradient` states whether gradients are summed. `place` is the
+    bead's position as seen from the focus, and `rule` the tables of nodes and the light. `rules[k]`
+    has kind and size of the rule. `rays` has a row for each quantity of a ray. Returns the number
+    of rays.
     """
     if rules[k, KIND] == DISC:
         return _disc_rays(rule, rules, k, rays)
@@ -101,7 +102,7 @@ def rays_of_linear(place, rule, rules, k, full, rays, gradient):  # type: ignore
     """Fill `rays` with the rays of rule k for linearly polarised light; returns their number.
 
     There is one at every azimuth of every ring, on both sides of the plane u2 = 0: the force of a
-    ray depends on its azimuth here. Arguments as of `rays_of`.
+    ray depends on its azimuth here. `rays_of` describes the arguments.
     """
     if rules[k, KIND] == DISC:
         count = _disc_rays(rule, rules, k, rays)
@@ -122,11 +123,11 @@ def rays_of_linear(place, rule, rules, k, full, rays, gradient):  # type: ignore
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
 def _disc_rays(rule, rules, k, rays):  # type: ignore[no-untyped-def]
-    """Fill `rays` with those of a disc: nodes in cos(theta) times azimuths about the axis.
+    """Fill `rays` with the rays of a disc: nodes in cos(theta) times azimuths about the axis.
 
-    They are on one side of the plane u2 = 0, with twice the weight. rule: tables of nodes and the
-    light; rules[k]: numbers of nodes; rays: workspace, a row for each quantity of a ray. Returns
-    the number of rays.
+    They are on one side of the plane u2 = 0, with twice the weight. `rule` contains the tables of
+    nodes and the light, and `rules[k]` the numbers of nodes. `rays` has a row for each quantity of
+    a ray. Returns the number of rays.
     """
     level, m = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
     n = LEVELS[level]
@@ -156,11 +157,12 @@ def _rings(place, rule, rules, k, rays):  # type: ignore[no-untyped-def]
     """Fill rows of `rays` with the rings of rule k, one number for each ring.
 
     A ring is all rays at one angle g to the pole, the line from the focus to the bead or its
-    continuation. The rows are cos(g), sin(g), sin^2 of incidence, weight of the integral over
-    cos(g), 1 - cos(theta) as a linear function of q = sin^2(half the azimuth about the pole), with
-    theta the angle to the beam's axis, and for arcs where they end. place: the bead's position as
-    seen from the focus; rule: tables of nodes; rules[k]: panel of the rule, and its pole. Rows are
-    filled up to a multiple of `LANES`, with rings without weight.
+    continuation. The rows are cos(g), sin(g), sin^2 of incidence and the weight of the integral
+    over cos(g). Two rows give 1 - cos(theta), theta the angle to the beam's axis, as a linear
+    function of q = sin^2(half the azimuth about the pole). For arcs a row contains their ends.
+    `place` is the bead's position as seen from the focus, `rule` contains the tables of nodes, and
+    `rules[k]` the panel of the rule and its pole. Rows are filled up to a multiple of `LANES`, with
+    rings without weight.
     """
     level, pair = int(rules[k, LEVEL]), int(rules[k, PAIR])
     pole, begin, span = rules[k, POLE], rules[k, BEGIN], rules[k, SPAN]
@@ -226,8 +228,8 @@ def _ring_nodes(rule, rules, k, series, rays):  # type: ignore[no-untyped-def]
     """Fill rows of `rays` with q and weight of all nodes of rings or arcs; returns their number.
 
     q is sin^2(half the azimuth about the line to the bead), counted from the side of the beam's
-    axis. The weight includes the light there. rule: tables of nodes; rules[k]: numbers of nodes;
-    series: of the light, `Rule.series` or `Rule.full`; rays: workspace, which has the rings.
+    axis. The weight includes the light there. `rule` contains the tables of nodes and `rules[k]`
+    their numbers. The light is `series`, `Rule.series` or `Rule.full`. `rays` contains the rings.
     """
     n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
     if rules[k, KIND] == ARCS:
@@ -245,8 +247,8 @@ def _moments(azimuth, cut, m, n, series, rays):  # type: ignore[no-untyped-def]
     """Fill rows of `rays` with integrals over each ring of the light times 1, q and q^2.
 
     q is sin^2(half the azimuth about the line to the bead), from the side of the beam's axis.
-    azimuth: `Rule.azimuth` for m azimuths. cut: whether the rings are arcs, cut by the rim of the
-    cone. n: number of rings. series: of the light. The ring's weight is included.
+    `azimuth` is the entry of `Rule.azimuth` for m azimuths. If `cut`, the n rings are arcs that end
+    at the rim of the cone. The light is `series`. The ring's weight is included.
     """
     nearest, per_q, share, w = rays[_NEAREST], rays[_PER_Q], rays[_SHARE], rays[_W]
     one_of, first_of, second_of = rays[_ONE], rays[_FIRST], rays[_SECOND]
@@ -258,7 +260,7 @@ def _moments(azimuth, cut, m, n, series, rays):  # type: ignore[no-untyped-def]
         highest = 1.0 - lanes(nearest, i)
         width, part = lanes(per_q, i), lanes(share, i)
         one = first = second = spread(0.0)
-        for j in range(0, m if cut else m + 1, 2):  # two at once, as each waits for its own sums
+        for j in range(0, m if cut else m + 1, 2):  # two at a time, as each waits for its own sums
             if cut:
                 q_a, q_b = (
                     _sine_squared(azimuth[0, j] * part),
@@ -313,9 +315,9 @@ def _chebyshev(series, y):  # type: ignore[no-untyped-def]
 def _arc_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
     """Fill rows of `rays` with q, weight and argument of the light's series at all nodes of arcs.
 
-    q is sin^2(half the azimuth about the line to the bead), the argument is 1 at the beam's axis
-    and -1 at the rim of the cone. azimuth: `Rule.azimuth` for m azimuths; n: number of rings, each
-    with m nodes. The weight is without the power of the light.
+    q is sin^2(half the azimuth about the line to the bead). The argument is 1 at the beam's axis
+    and -1 at the rim of the cone. `azimuth` is the entry of `Rule.azimuth` for m azimuths. Each of
+    the n rings has m nodes. The weight does not include the power of the light.
     """
     q, y, weight, w = rays[_Q], rays[_Y], rays[WEIGHT], rays[_W]
     nearest, per_q, share = rays[_NEAREST], rays[_PER_Q], rays[_SHARE]
@@ -339,9 +341,9 @@ def _arc_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
 def _circle_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
     """Fill rows of `rays` with q, weight and argument of the light's series for whole rings.
 
-    q is sin^2(half the azimuth about the line to the bead), the argument is 1 at the beam's axis
-    and -1 at the rim of the cone. azimuth: `Rule.azimuth` for m azimuths; n: number of rings, each
-    with m + 1 nodes from q = 0 to 1. The weight is without the power of the light.
+    q is sin^2(half the azimuth about the line to the bead). The argument is 1 at the beam's axis
+    and -1 at the rim of the cone. `azimuth` is the entry of `Rule.azimuth` for m azimuths. Each of
+    the n rings has m + 1 nodes from q = 0 to 1. The weight does not include the power of the light.
     """
     q, y, weight, w = rays[_Q], rays[_Y], rays[WEIGHT], rays[_W]
     nearest, per_q = rays[_NEAREST], rays[_PER_Q]
@@ -358,13 +360,14 @@ def _circle_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
 def _gathered(place, rule, rules, k, series, gradient, rays):  # type: ignore[no-untyped-def]
-    """Fill `rays` with two or three rays for each ring that exert the force of all of it.
+    """Fill `rays` with two or three rays for each ring that exert the force of the whole ring.
 
-    q is sin^2(half the azimuth about the line to the bead); place: the bead's position; rules[k]:
-    numbers of nodes. All rays of a ring have the same efficiencies, so their force is linear in u
-    and its gradient quadratic, and u is linear in q. So the rays with q = 0 and q = 1, for the
-    gradient also q = 1/2, replace the ring if their weights have the same sums of 1, q (and q^2).
-    series: of the light. gradient: whether gradients are summed. Returns the number of rays.
+    q is sin^2(half the azimuth about the line to the bead). All rays of a ring have the same
+    efficiencies, so their force is linear in u and its gradient quadratic, and u is linear in q.
+    The rays with q = 0 and q = 1, for the gradient also q = 1/2, thus replace the ring if their
+    weights have the same sums of 1, q (and q^2). `place` is the bead's position, `rules[k]` has the
+    numbers of nodes, and `series` is the light. With `gradient` gradients are summed. Returns the
+    number of rays.
     """
     n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
     _moments(rule.azimuth[m], rules[k, KIND] == ARCS, m, n, series, rays)
@@ -393,8 +396,8 @@ def _gathered(place, rule, rules, k, series, gradient, rays):  # type: ignore[no
 def _aim(place, pole, at, n, cosine, sine, rays):  # type: ignore[no-untyped-def]
     """Fill in the directions of n rays, one on each ring, at one azimuth about the pole.
 
-    pole: 1 for the line from the focus to the bead, -1 for its continuation. at: number of the
-    first ray. cosine, sine: of the azimuth.
+    `pole` is 1 for the line from the focus to the bead, -1 for its continuation. `at` is the number
+    of the first ray. The azimuth has this `cosine` and `sine`.
     """
     u1, u2, u3, x, s = rays[U1], rays[U2], rays[U3], rays[_X], rays[_S]
     cos_tilt, sin_tilt = place.cos_tilt, place.sin_tilt
@@ -411,8 +414,8 @@ def _aim(place, pole, at, n, cosine, sine, rays):  # type: ignore[no-untyped-def
 def _spread_out(place, rules, k, rays):  # type: ignore[no-untyped-def]
     """Fill in the direction u of one ray for each node of rings or arcs, on the side u2 >= 0.
 
-    place: the bead's position; rules[k]: numbers of nodes, and the pole of the rings; rays:
-    workspace, which has cosine and sine of the angle to the pole for each ring, q for each node.
+    `place` is the bead's position. `rules[k]` has the numbers of nodes and the pole of the rings.
+    `rays` contains cosine and sine of the angle to the pole for each ring, and q for each node.
     """
     n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
     along = rules[k, POLE]
@@ -471,11 +474,12 @@ def _sine(angle):  # type: ignore[no-untyped-def]
 def _times_radiance(series, y, weight, rays, count):  # type: ignore[no-untyped-def]
     """Multiply the first `count` weights by n_m/c times the light's power per solid angle, N/sr.
 
-    series: of the light, as in `Rule.series`: powers for Horner's sum if there are SHORT of them,
-    else Chebyshev coefficients for Clenshaw's. y: (count,) its argument at each node.
+    The light is `series` (`Rule.series`). If it has SHORT entries they are powers, summed by
+    Horner's rule, and otherwise Chebyshev coefficients, summed by Clenshaw's. `y` (count,) is its
+    argument at each node.
     """
     if series.size == SHORT:
-        # its length is known to the compiler: all in registers
+        # the compiler knows its length and keeps it in registers
         for i in range(count):
             at_y = y[i]
             value = 0.0
@@ -503,10 +507,11 @@ def _times_radiance(series, y, weight, rays, count):  # type: ignore[no-untyped-
 def tails(rule, rules, k, rays, linear, gradient):  # type: ignore[no-untyped-def]
     """Return the largest of the last coefficients of rule k, along its nodes and in azimuth, N.
 
-    The force of its rays, in the row FORCE of the workspace `rays`, is expanded in the cosine x of
-    the angle to the pole in Legendre polynomials and in the azimuth in these or in cosines; small
-    last coefficients show that the nodes suffice. linear: whether the light is linearly polarised.
-    gradient: whether gradients are summed. For rings gathered into a few rays the second one is 0.
+    The force of its rays is in the row FORCE of the workspace `rays`. It is expanded in Legendre
+    polynomials of the cosine x of the angle to the pole. In the azimuth it is expanded in Legendre
+    polynomials or in cosines. Small last coefficients show that the nodes suffice. `linear` states
+    whether the light is linearly polarised, `gradient` whether gradients are summed. For rings
+    gathered into a few rays the second result is 0.
     """
     level, m = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
     n = LEVELS[level]

@@ -2,31 +2,31 @@
 
 The sum over rays (3.26) becomes an integral over directions u. A rule is a set of directions with
 weights, summed by the same code as the thesis's grid (`tweezer.optics.rays.ray_sum`). There are two
-kinds of rules, each with n nodes in the cosine x of the angle to a pole and m in the azimuth about
+kinds of rules. Each has n nodes in the cosine x of the angle to a pole and m in the azimuth about
 it:
 
-* the disc, about the beam's axis: Gauss-Legendre in x = cos(theta), trapezoidal in the azimuth. It
-  serves beads that every ray hits well inside the edge. The integrand is then singular only at
-  complex directions, where cos(alpha) = 0; their distance from the real ones gives the rate of
-  convergence, and so n and m, in advance.
-* rings, about the line from the focus to the bead: all rays at an angle g to that line meet
-  the bead at the same angle of incidence alpha, with
+* The disc, about the beam's axis, is Gauss-Legendre in x = cos(theta) and trapezoidal in the
+  azimuth. It serves beads that every ray hits well inside the edge. The integrand is then singular
+  only at complex directions, where cos(alpha) = 0. Their distance from the real ones gives the rate
+  of convergence, and so n and m, in advance.
+* Rings are about the line from the focus to the bead. All rays at an angle g to that line meet the
+  bead at the same angle of incidence alpha, with
 
-      cos(alpha) = (d/r) sqrt(x^2 +- delta^2),  delta^2 = |1 - (r/d)^2|,
+      cos(alpha) = (d/r) sqrt(x^2 +- delta^2),  delta^2 = |1 - (r/d)^2|.
 
-  + if the focus is inside the bead (d < r), - if it is outside. The interval of x = cos(g) is cut
-  into panels where the integrand is not smooth: where rays graze the bead, where the rim of the
-  cone begins or ceases to cut the ring (two values of g), and where total reflection begins.
-  cos(alpha) is smooth in t with x = delta sinh(t) or delta cosh(t); for small delta nodes are
-  concentrated near cos(alpha) = 0 instead. A substitution with a double zero removes the square
-  roots at the rim; the zero is triple if another singularity lies close beyond. At grazing
-  incidence the efficiencies vanish, so the derivative over the position has no boundary term and
-  needs no other rays.
+  The sign is + if the focus is inside the bead (d < r) and - if it is outside. The interval of
+  x = cos(g) is cut into panels where the integrand is not smooth. This is where rays graze the
+  bead, where the rim of the cone begins or ceases to cut the ring (two values of g), and where
+  total reflection begins. The cosine cos(alpha) is smooth in t with x = delta sinh(t) or delta
+  cosh(t); for small delta nodes are concentrated near cos(alpha) = 0 instead. A substitution with a
+  double zero removes the square roots at the rim. The zero is triple if another singularity is
+  close beyond it. At grazing incidence the efficiencies vanish, so the derivative over the position
+  has no boundary term and needs no other rays.
 
-The last coefficients of the expansions in x (Legendre) and the azimuth (Legendre or Fourier)
-estimate the error. On rings of light that is not linear the azimuth needs no such estimate: the
-efficiencies are constant there, and what the nodes do not resolve of the light follows from its
-series. A rule that misses its part of the tolerance is repeated with more nodes.
+The error is estimated from the last coefficients of the expansions in x (Legendre) and the azimuth
+(Legendre or Fourier). On rings of light that is not linear the azimuth needs no such estimate. The
+efficiencies are constant there, and the series of the light shows which part of it the nodes do not
+resolve. A rule that misses its part of the tolerance is repeated with more nodes.
 """
 
 from __future__ import annotations

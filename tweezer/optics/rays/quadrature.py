@@ -80,13 +80,13 @@ def _more_where_missed(rule, rules, many, sizes, errors, target, due, linear):  
 
 
 def quadrature_data(rule: Rule, sphere: Sphere, jones: Any) -> Data:
-    """The data of `quadrature_kernel`. jones: Jones vector (4,), as (re, im) pairs."""
+    """Return the data of `quadrature_kernel`; jones: Jones vector (4,), as (re, im) pairs."""
     return packed(*sphere, jones, *rule)
 
 
 @named_njit(error_model="numpy", inner=True)
 def _rule(data, first):  # type: ignore[no-untyped-def]
-    """The `Rule` whose fields are the entries from `first` on."""
+    """Return the `Rule` whose fields begin at the entry `first` of `data`."""
     return Rule(
         number(data, first), vector(data, first + 1), number(data, first + 2),
         vector(data, first + 3), number(data, first + 4), number(data, first + 5),

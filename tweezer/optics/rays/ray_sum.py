@@ -23,7 +23,7 @@ _GRAZING = 1.0 - 1e-16
 
 
 class Rays(NamedTuple):
-    """What the sum over the rays of a scene has to compute; a kernel is compiled for each."""
+    """Kind of light and results of a sum over rays; a kernel is compiled for each."""
 
     polarisation: str
     """see `tweezer.scene.sections.Beam.polarisation`"""
@@ -71,8 +71,8 @@ def _plus_9(a, b):  # type: ignore[no-untyped-def]
 def _efficiencies(rays: Rays) -> Any:
     """Return a compiled function of S: Q_sc and G of a ray, (3.22) and (3.23), and more.
 
-    The function returns Q_sc, G and the terms X, Y that linearly polarised light adds to them; then
-    the derivatives of Q_sc, G, X and Y over S. Numbers that the rays do not need are zero.
+    The function returns Q_sc, G and the terms X, Y that linearly polarised light adds to them. The
+    derivatives of Q_sc, G, X and Y over S follow. Numbers that the rays do not need are zero.
     """
     averaged, linear = rays.polarisation == "averaged-reflectance", rays.polarisation == "linear"
     denser_medium, gradient = rays.denser_medium, rays.gradient

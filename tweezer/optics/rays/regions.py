@@ -17,11 +17,12 @@ _LINES = 5
 def number_of_region(pose, data, wrench):  # type: ignore[no-untyped-def]
     """Add to `wrench.error` the number of the region of each bead.
 
-    It is 0 with the focus inside the bead. Outside, the number is 1 plus five times the count of
-    lines +-tau, +-1/tau that are not above P, plus the count that are not above Q. Here tau is
-    tan(theta_m/2), P = tan((p - pi/2)/2), Q = tan((q - pi/2)/2), p, q = gamma -+ arccos(1/d); gamma
-    is the bead's angle to the axis, d its distance from the focus in radii. It is a kernel, whose
-    data are the radius (m) and the half angle theta_m of the cone of light (rad).
+    The number is 0 with the focus inside the bead. Outside it is 1, plus five times the count of
+    lines +-tau, +-1/tau that are not above P, plus the count that are not above the coordinate Q
+    here. With the bead at the angle gamma to the axis, d radii from the focus, let p, q = gamma -+
+    arccos(1/d). Then
+    P = tan((p - pi/2)/2), Q = tan((q - pi/2)/2) and tau = tan(theta_m/2). The data of this kernel
+    are the radius (m) and the half angle theta_m of the cone of light (rad).
     """
     radius, half_angle = number(data, 0), number(data, 1)
     tau = math.tan(0.5 * half_angle)

@@ -37,7 +37,7 @@ WIDTHS = 16
 
 
 class Rule(NamedTuple):
-    """What the nodes of a scene are computed from, beside the position of the bead.
+    """Tables from which the nodes of a scene are computed for a given position of the bead.
 
     Tables are padded with zeros; indices are (level, ...) along x and (m, ...) for m azimuths.
     """
@@ -93,7 +93,7 @@ def rule(half_angle: float, series: Array, strength: float, tolerance: float) ->
     """
     nodes, tail = _panel_tables()
     full = _summed_fast(series)
-    # a short series costs the same in whole and in part
+    # shortening a short series would save nothing
     needed = series if full.size == SHORT else _needed(series, 1e-3 * tolerance)
     rounding = 1e-15 * float(np.abs(series).sum())
     left_out = float(np.abs(series[needed.size :]).sum()) + rounding
@@ -115,7 +115,7 @@ def rule(half_angle: float, series: Array, strength: float, tolerance: float) ->
 def _needed(series: Array, tolerance: float) -> Array:
     """Return a series without the last coefficients, whose sizes sum to less than `tolerance`.
 
-    tolerance: as a part of the sum of all sizes.
+    `tolerance` is a part of the sum of all sizes.
     """
     left = np.cumsum(np.abs(series[::-1]))[::-1]
     return np.ascontiguousarray(series[: max(1, int((left > tolerance * left[0]).sum()))])
@@ -124,8 +124,8 @@ def _needed(series: Array, tolerance: float) -> Array:
 def _summed_fast(series: Array) -> Array:
     """Return a Chebyshev series in the form that `Rule.series` has.
 
-    These are SHORT powers, highest first; or the Chebyshev coefficients, more than SHORT of them,
-    if there are so many or if powers lose digits.
+    These are SHORT powers, highest first. If there are more than SHORT Chebyshev coefficients, or
+    if powers lose digits, these coefficients are returned instead.
     """
     if series.size > SHORT:
         return series
@@ -146,21 +146,21 @@ def _degree(series: Array, tolerance: float) -> float:
 def _missed(series: Array) -> Array:
     """Return `Rule.missed`: the error of sums over the azimuth of a ring instead of an integral.
 
-    It is given by the ring's width in cos(theta) and the number of azimuths: the part that the
-    rules do not resolve of the light times sin^4 of half the azimuth, the highest moment that
-    forces and gradients need (`tweezer.optics.rays.nodes`).
+    It depends on the ring's width in cos(theta) and the number of azimuths. It is the unresolved
+    part of the light times sin^4 of half the azimuth. This is the highest moment that forces and
+    gradients need (`tweezer.optics.rays.nodes`).
     """
     half = (np.arange(WIDTHS) + 1) / WIDTHS  # of a ring's width, in units of half the cone's
     tried = np.array(AZIMUTHS_TRIED)
     missed = np.empty((2, WIDTHS, tried.size))
-    # circles, at any distance from the axis: coefficients of cos(k azimuth) from 2 m on
+    # circles, at any distance from the axis: coefficients of cos(k azimuth), k >= 2 m
     count = len(series) + 2
     cosine = chebyshev.chebpts1(count)
     centre = (1 - half[:, None]) * np.linspace(-1, 1, 5)
     light = chebyshev.chebval(centre[..., None] + half[:, None, None] * cosine, series)
     transform = chebyshev.chebvander(cosine, count - 1) * 2 / count
     missed[0] = _left(light, cosine, transform, 2 * tried)
-    # arcs up to the rim that are part of a ring: Legendre coefficients from 4 m on
+    # arcs up to the rim that are part of a ring: Legendre coefficients of degree 4 m and higher
     count = 32 * math.ceil((2.5 * len(series) + 16) / 32)
     x, w = _gauss(count)
     transform = legendre.legvander(x, count - 1) * (np.arange(count) + 0.5) * w[:, None]
@@ -172,11 +172,11 @@ def _missed(series: Array) -> Array:
 
 
 def _left(light: NDArray[np.floating[Any]], cosine: Array, transform: Array, first: Array) -> Array:
-    """Return the part of the light that coefficients from number `first` on make up, at most.
+    """Return a bound on the part of the light in the coefficients from number `first` upwards.
 
-    It is the sum of their sizes over the mean light of a ring, for the worst of several rings.
-    light: (..., rings, nodes) at nodes of the azimuth; it is multiplied by sin^4 of half the
-    azimuth. cosine: of the azimuth there. transform: matrix from nodes to coefficients.
+    It is the sum of their sizes over the mean light of a ring, for the worst of several rings. The
+    array `light` (..., rings, nodes), at nodes of the azimuth with this `cosine`, is multiplied by
+    sin^4 of half the azimuth. The matrix `transform` maps nodes to coefficients.
     """
     values = light * ((1 - cosine) / 2) ** 2
     coefficients = np.abs(values @ transform)
@@ -190,8 +190,8 @@ def _left(light: NDArray[np.floating[Any]], cosine: Array, transform: Array, fir
 def _panel_tables() -> tuple[Array, Array]:
     """Return `Rule.nodes` and `Rule.tail`: Gauss nodes on a panel from 0 to 1, for each level.
 
-    The nodes are those after a substitution whose slope vanishes at the ends: for each pair of
-    ORDERS of the zeros.
+    The nodes follow a substitution whose slope vanishes at the ends, for each pair of ORDERS of the
+    zeros.
     """
     nodes = np.zeros((len(LEVELS), len(ORDERS) ** 2, 3, LEVELS[-1]))
     tail = np.zeros((len(LEVELS), TAIL, LEVELS[-1]))

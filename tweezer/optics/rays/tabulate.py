@@ -113,14 +113,14 @@ class Made:
         return len(self.pieces)
 
     def kernel(self, *, gradient: bool) -> Kernel:
-        """Return the kernel that reads this table; gradient: whether it adds gradients too."""
+        """Return the kernel that reads this table, and adds gradients if `gradient`."""
         return charts.kernel(gradient=gradient, moment=self.moment)
 
     def data(self, unit: float, strength: float, beyond: Part) -> Data:
         """Return the data of the kernel.
 
-        unit: radius of the bead, m. strength: n_m P/c of the light, N. beyond: the force outside
-        the table's range.
+        `unit` is the radius of the bead (m), and `strength` n_m P/c of the light (N). The force
+        outside the table's range is `beyond`.
         """
         shape = np.array(
             [unit, math.tan(self.half_angle / 2), self.reach, strength, self.certified * strength]
@@ -323,8 +323,8 @@ def _refined(
 ) -> tuple[_Draft, float]:
     """Return pieces on `cells`, bisected until their estimated error is small; the largest force.
 
-    tolerance: of the error, as a part of the largest force, which is `largest` so far. others:
-    number of other pieces of the table. report: called with the finished part of the area.
+    The error may be `tolerance` times the largest force, which is `largest` so far. The table has
+    `others` further pieces. `report` is called with the finished part of the area.
     """
     done: list[_Draft] = []
     while len(cells):

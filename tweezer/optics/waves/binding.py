@@ -135,11 +135,11 @@ def _rules(light: Waves, nodes: Nodes, reach: float) -> list[Rule]:
 
 
 def _of_nodes(focus: Focus, rule: Rule, shift: float, parts: list[Part], many: int) -> Array:
-    """Return the nodes of a rule as `Source.nodes` has them, (2 + 2 parts, many).
+    """Return the nodes of a rule in the form of `Source.nodes`, (2 + 2 parts, many).
 
     The rows are 1 - cos(theta), sin(theta), and the real and imaginary part of the amplitude times
-    weight for each part of the light, without the phase shift (1 - cos(theta)). many: number of
-    nodes padded to whole lanes, with zeros.
+    weight for each part of the light, without the phase shift (1 - cos(theta)). The nodes are
+    padded with zeros to `many`, whole lanes.
     """
     below = rule.below
     along, across = focus.amplitudes(below)
@@ -167,8 +167,9 @@ def _of_states(states: tuple[State, ...]) -> Array:
 def _of_sphere(a: ComplexArray, b: ComplexArray, states: tuple[State, ...], stride: int) -> Array:
     """Return `kernel.Weights.sphere` of each component, (components, rows and guards).
 
-    a, b: Mie coefficients from n = 1 on. There is one component if all light is of one helicity,
-    else two. stride: number of degrees from 0, beyond those of a, b with weights of zero.
+    `a` and `b` are Mie coefficients for n = 1, 2, ... There is one component if all light has the
+    same helicity, else two. `stride` is the number of degrees from 0; those beyond `a` and `b` have
+    weights of zero.
     """
     components = 1 if all(each.pure for each in states) else 2
     U, V, K = weights(a, b, components)

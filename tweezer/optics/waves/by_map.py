@@ -75,8 +75,8 @@ def _stored(
 ) -> tuple[Lattice, Path | None]:
     """Return the map of a scene and the file it is stored in; it is made if there is no file.
 
-    The file's name follows from all that the map depends on: in units of 1/k and n_m P/c neither
-    the wavelength nor the power.
+    The file's name follows from everything that affects the map. In units of 1/k and n_m P/c,
+    wavelength and power do not affect it.
     """
     tolerance = scene.optics.table_tolerance
     reach = of_bead.wavenumber * scene.table_reach
@@ -94,8 +94,8 @@ def _made(
 ) -> Lattice:
     """Compute the map of the force of waves on a bead, in units of 1/k and n_m P/c.
 
-    tolerance: as a part of the largest force. reach: distance from the focus, in 1/k. progress:
-    called with the part that is done.
+    `tolerance` is a part of the largest force, and `reach` the distance from the focus in 1/k.
+    `progress` is called with the finished part.
     """
     in_units = dataclasses.replace(
         of_bead.of_radius(of_bead.size_parameter),

@@ -87,7 +87,7 @@ class WavesByQuadrature(LightForce):
 
     @functools.cached_property
     def _farther(self) -> WavesByQuadrature:
-        """This force with twice the reach. Its tables are computed once."""
+        """Copy of this force with twice the reach. Its tables are computed once."""
         alike = None if self.alike is None else self.alike._farther
         return dataclasses.replace(self, reach=2 * self.reach, alike=alike)
 

@@ -2,9 +2,9 @@
 
 A plane wave along s, of azimuth phi and polar angle theta, carries the power per solid angle
 W(theta) of `tweezer.optics.beam.cone`. Its field is split into helicities,
-e_+- = (e_theta +- i e_phi)/sqrt(2). The Jones vector (a, b) of the pupil gives the two of them the
-amplitudes c_+- exp(+-i phi), c_+- = (a -+ ib)/sqrt(2): light of helicity +-1 has the angular
-momentum J_z = +-1 per photon, in units of hbar, about the axis. A vortex exp(i l phi) adds l.
+e_+- = (e_theta +- i e_phi)/sqrt(2). The Jones vector (a, b) of the pupil gives them the amplitudes
+c_+- exp(+-i phi), c_+- = (a -+ ib)/sqrt(2). Light of helicity +-1 has the angular momentum
+J_z = +-1 per photon, in units of hbar, about the axis. A vortex exp(i l phi) adds l.
 
 A plane face before the focus (`lens.cover`) changes the amplitudes of the parts along e_theta and
 e_phi by different factors, which mixes the helicities (Torok, Varga, Laczik and Booker, J. Opt.
@@ -44,7 +44,7 @@ class Part(NamedTuple):
     def amplitude(self, theta: ComplexArray, phi: ComplexArray) -> ComplexArray:
         """Return the amplitude of this part of the light.
 
-        theta, phi: amplitudes along e_theta and e_phi of plane waves of the whole light.
+        `theta` and `phi` are amplitudes along e_theta and e_phi of plane waves of the whole light.
         """
         return np.asarray(self.theta * theta + self.phi * phi)
 
@@ -106,7 +106,7 @@ def states(polarisation: str, jones: Array, vortex: int, *, face: bool) -> tuple
 def _circular(vortex: int, face: bool, weight: float, handedness: float) -> tuple[State, ...]:
     """Return the one state of circular light of helicity +1, or of its mirror image.
 
-    weight: its share of the power; handedness: see `State`.
+    `weight` is its share of the power. `handedness` is -1 for the mirror image, 0 for both.
     """
     return (State(weight, _parts(1, vortex, 1.0, face), handedness),)
 
@@ -114,7 +114,7 @@ def _circular(vortex: int, face: bool, weight: float, handedness: float) -> tupl
 def _parts(helicity: int, vortex: int, coefficient: complex, face: bool) -> tuple[Part, ...]:
     """Return the parts of light that has one helicity in the pupil; a face adds the other one.
 
-    coefficient: of the Jones vector.
+    `coefficient` is the amplitude of this helicity in the Jones vector.
     """
     j = vortex + helicity
     kept = Part(helicity, j, coefficient, 0.5, 0.5)

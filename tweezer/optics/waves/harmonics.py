@@ -60,8 +60,8 @@ def elements(highest: int) -> Elements:
 def harmonics(highest: int, below: Array) -> Array:
     """Return the harmonics f_nm at 1 - cos(theta) = `below`, (nodes,).
 
-    They are (orders m from -highest on, nodes, degrees n from 0 to highest), from the lowest degree
-    up by the recurrence that cos(theta) f_n = sum over n' of <n'|s_z|n> f_n' gives.
+    They are (orders m from -highest to highest, nodes, degrees n from 0 to highest). The recurrence
+    from the lowest degree up follows from cos(theta) f_n = sum over n' of <n'|s_z|n> f_n'.
     """
     half_sine, half_cosine = np.sqrt(below / 2), np.sqrt(1 - below / 2)
     cosine = 1 - below

@@ -1,12 +1,12 @@
 """The force of the light's waves on a sphere, from the momentum of the light before and after.
 
 Force, torque and gradient are sums over the partial waves about the bead, of degree n and order m.
-Each wave is coupled with its neighbours in n and m alone. The summands are emitted:
-`derivation.waves`.
+Each wave is coupled with its neighbours in n and m alone. `derivation.waves` derives the summands.
 
-A component of the light is all of it, if it has the helicity +1 alone, or else its electric or its
-magnetic part. The sums of one component are added to `found`, (25,), in the frame in which the bead
-is at (rho, 0, z), in units of 4 pi^2 n_m P/c (n_m: refractive index of the medium, P: power):
+If the light has the helicity +1 alone, it has one component. Otherwise its electric and its
+magnetic part are two components. The sums of one component are added to `found`, (25,), in the
+frame in which the bead is at (rho, 0, z). With the refractive index n_m of the medium and the power
+P, they are in units of 4 pi^2 n_m P/c:
 
     0-2 force, 1;  3-5 moment, m;  6-14 gradient of the force, row by row, 1/m;
     15-23 gradient of the moment, 1;  24 absorbed power, in 4 pi^2 P.
@@ -42,18 +42,17 @@ from tweezer.optics.waves.partial_waves import (
 
 cache_functions(waves)
 
-# entries of the data: 4 pi^2 n_m P/c, N; n_m P/c, N; relative tolerance of the force; its error
-# where it vanishes, N; states; `Weights.elements`; `Weights.sphere` of each component; those of the
-# `Source` follow
+# entries of the data. The first four are numbers: 4 pi^2 n_m P/c (N), n_m P/c (N), the relative
+# tolerance of the force, and its error where it vanishes (N). The states, `Weights.elements`,
+# `Weights.sphere` of each component and the entries of the `Source` follow
 STRENGTH, OF_ALL, TOLERANCE, FLOOR, STATES, ELEMENTS, SPHERE, SOURCE = range(8)
-# columns of the states: share of the power, handedness, number of components, first part and end of
-# its parts, lowest and highest J_z
+# columns of the states: power share, handedness, component count, range of parts, range of J_z
 SHARE, HANDEDNESS, COMPONENTS, BEGIN, END, LOWEST, HIGHEST = range(7)
 # rows of the elements of the direction, as in `harmonics.Elements`
 _ALONG, _WITHIN, _RAISED, _TURNED, _LOWERED, _LIFT = range(6)
 # rows of the sphere's weights
 _U_RE, _U_IM, _V_RE, _V_IM, _K, WEIGHTS = range(6)
-#: Numbers that a place gives: force, moment, their gradients, absorbed power
+#: Numbers computed at a position: force, moment, their gradients, absorbed power
 _FOUND = 25
 ABSORBED = 24
 #: Type of the compiled `absorption`
@@ -79,7 +78,7 @@ class Waves(NamedTuple):
 
 
 class Weights(NamedTuple):
-    """What weighs the products of partial waves: elements of the direction, weights of the sphere.
+    """Weights of the products of partial waves: matrix elements of the direction, and the sphere's.
 
     The matrix elements are by (m, n), see `harmonics.Elements`; the weights by n, see
     `sphere.weights`.
@@ -112,8 +111,8 @@ def guarded_sphere(weights: Any) -> Any:
 def force_sum(light, weights, found):  # type: ignore[no-untyped-def]
     """Add the force that one component of the light exerts to found[0:3], in 4 pi^2 n_m P/c.
 
-    n_m is the refractive index of the medium, P the power. light: the component's `Waves`. weights:
-    `Weights`. The sum goes over the orders m, and for each over eight degrees n at a time:
+    n_m is the refractive index of the medium, P the power. `light` are the component's `Waves`. The
+    sum is over the orders m, and for each over eight degrees n at a time. In it
     `waves.force_summand` couples (m, n) with its neighbours.
     """
     P, partner, imaginary = light.own, light.partner, light.imaginary
@@ -148,11 +147,12 @@ def force_sum(light, weights, found):  # type: ignore[no-untyped-def]
 
 @named_njit(**OPTIONS)
 def _neighbours(light, at, stride):  # type: ignore[no-untyped-def]
-    """Return the amplitudes P_nm that the summand of (m, n) needs, for eight degrees n at once.
+    """Return the amplitudes P_nm that the summand of (m, n) needs, for eight degrees n at a time.
 
     P_nm belongs to the partial wave of degree n and order m. The result is P at (n - 1, n, n + 1)
-    of the orders m - 1, m, m + 1, and the partner's at n of each, as pairs of real and imaginary
-    parts. light: `Waves`; at: entry of (m, n); stride: number of degrees.
+    for the orders m - 1, m, m + 1, and the partner's at n for each. All are pairs of real and
+    imaginary parts. In `light`, the entry `at` belongs to (m, n), and `stride` is the number of
+    degrees.
     """
     P, partner, imaginary = light.own, light.partner, light.imaginary
     down, up = at - stride, at + stride
@@ -176,8 +176,8 @@ def _neighbours(light, at, stride):  # type: ignore[no-untyped-def]
 def _elements_about(weights, of):  # type: ignore[no-untyped-def]
     """Return the matrix elements of the direction s between (n, m) and its neighbours.
 
-    n is the degree, m the order of a partial wave. They are for eight degrees n at once, in the
-    order of the emitted gradients' arguments. weights: `Weights`; of: entry of (m, n) in
+    n is the degree, m the order of a partial wave. The elements are for eight degrees n at a time,
+    in the order of the emitted gradients' arguments. `of` is the entry of (m, n) in
     `Weights.elements`.
     """
     table, size, below = weights.elements, weights.size, of - weights.stride
@@ -195,9 +195,9 @@ def _elements_about(weights, of):  # type: ignore[no-untyped-def]
 def force_and_gradient_sum(light, weights, wavenumber, found):  # type: ignore[no-untyped-def]
     """Add the force that one component of the light exerts, and its gradient, to `found`.
 
-    The force goes to found[0:3], in 4 pi^2 n_m P/c (refractive index of the medium, power), the
-    gradient dF_i/dx_j to found[6:15], row by row, in this per m. light: `Waves`. weights:
-    `Weights`. wavenumber: k, 1/m.
+    The force is added to found[0:3], in 4 pi^2 n_m P/c (refractive index of the medium, power). The
+    gradient dF_i/dx_j is added to found[6:15], row by row, in this unit per m. `light` are the
+    component's `Waves`, and `wavenumber` is k (1/m).
     """
     sphere, stride = weights.sphere, weights.stride
     middle = weights.size // stride // 2
@@ -235,9 +235,9 @@ def force_and_gradient_sum(light, weights, wavenumber, found):  # type: ignore[n
 def moment_sum(light, weights, wavenumber, found):  # type: ignore[no-untyped-def]
     """Add the moment that one component of the light exerts, and the power that the bead absorbs.
 
-    The moment goes to found[3:6], in 4 pi^2 n_m P/c times m (refractive index of the medium,
-    power); the absorbed power to found[24], in 4 pi^2 P. light: `Waves`. weights: `Weights`.
-    wavenumber: k, 1/m.
+    The moment is added to found[3:6], in 4 pi^2 n_m P/c times m (refractive index of the medium,
+    power). The absorbed power is added to found[24], in 4 pi^2 P. `light` are the component's
+    `Waves`, and `wavenumber` is k (1/m).
     """
     P, imaginary = light.own, light.imaginary
     table, sphere, stride, size = weights
@@ -264,8 +264,8 @@ def moment_sum(light, weights, wavenumber, found):  # type: ignore[no-untyped-de
 def moment_gradient_sum(light, weights, found):  # type: ignore[no-untyped-def]
     """Add the gradient of the moment that one component of the light exerts to found[15:24].
 
-    It is dM_i/dx_j, row by row, in 4 pi^2 n_m P/c (refractive index of the medium, power). light:
-    `Waves`. weights: `Weights`.
+    It is dM_i/dx_j, row by row, in 4 pi^2 n_m P/c (refractive index of the medium, power). `light`
+    are the component's `Waves`.
     """
     stride, size = weights.stride, weights.size
     middle = size // stride // 2
@@ -297,10 +297,11 @@ def moment_gradient_sum(light, weights, found):  # type: ignore[no-untyped-def]
 def both_sides(handedness, found):  # type: ignore[no-untyped-def]
     """Change the sums of one polarised state into a mean over it and its mirror image, y -> -y.
 
-    found: (25,) force, moment, their gradients row by row, absorbed power. handedness h: the state
-    has the share (1 + h)/2, its mirror image (1 - h)/2. Numbers that change their sign in the
-    mirror are multiplied by h: the force along y, the moment (an axial vector) along x and z, and
-    their derivatives over x and z; of the others the derivative over y.
+    `found` (25,) are force, moment, their gradients row by row, and absorbed power. With the
+    `handedness` h, the state has the share (1 + h)/2 and its mirror image (1 - h)/2. Numbers that
+    change their sign in the mirror are multiplied by h. These are the force along y, the moment (an
+    axial vector) along x and z, and their derivatives over x and z. For the other numbers the
+    derivatives over y are multiplied.
     """
     for i in range(3):
         odd = i == 1
@@ -351,8 +352,8 @@ def room_for(source):  # type: ignore[no-untyped-def]
 def _summed(*, moment: bool) -> Any:
     """Return the compiled function that fills `sums` for a bead at (rho, 0, z).
 
-    moment: whether it computes moments and the absorbed power besides the force. Whether gradients
-    are wanted is its argument: the sums with and without share the waves.
+    With `moment` it computes moments and the absorbed power in addition to the force. Its argument
+    `gradient` selects gradients: the sums with and without them share the waves.
     """
 
     @named_njit(**OPTIONS)
@@ -361,9 +362,9 @@ def _summed(*, moment: bool) -> Any:
     ):
         """Fill `sums` (25,) with the sums over all states of the light, ordered as `found`.
 
-        data: of the kernel. source: its `Source`. gradient: whether gradients are wanted. rule:
-        number of the rule of nodes. rho, z: position of the bead, m. azimuth: (cos, sin) of its
-        azimuth in the scene. room: `Room`.
+        `data` belongs to the kernel and contains the `source`. `rule` is the number of the rule of
+        nodes. The bead is at `rho` and `z` (m), and `azimuth` is (cos, sin) of its azimuth in the
+        scene. `room` is a `Room`. With `gradient` the gradients are summed too.
         """
         states = matrix(data, STATES)
         elements, spheres = vector(data, ELEMENTS), matrix(data, SPHERE)
@@ -414,8 +415,8 @@ def _summed(*, moment: bool) -> Any:
 def waves_kernel(*, moment: bool) -> Kernel:
     """Return the kernel that adds the force of the light, by sums over partial waves.
 
-    moment: whether it adds the moment too. It adds gradients if the wrench has arrays for them. The
-    error of a bead too far from the focus for every rule is infinite.
+    It adds the moment if `moment`, and gradients if the wrench has arrays for them. The error of a
+    bead too far from the focus for every rule is infinite.
     """
     add_up = _summed(moment=moment)
 
@@ -481,9 +482,9 @@ def absorption() -> Any:
 
 @named_njit(**OPTIONS)
 def _electric_and_magnetic(P, count):  # type: ignore[no-untyped-def]
-    """Replace amplitudes p^+, p^- of helicity +1 and -1 by those of electric and magnetic waves.
+    """Replace amplitudes p^+, p^- of helicity +1 and -1 by electric and magnetic ones.
 
-    P: (2, count or more) both amplitudes, which become (p^+ + p^-)/sqrt(2), (p^+ - p^-)/sqrt(2).
+    The rows of `P` (2, count or more) become (p^+ + p^-)/sqrt(2) and (p^+ - p^-)/sqrt(2).
     """
     half = math.sqrt(0.5)
     for i in range(count):

@@ -1,11 +1,11 @@
 """A table of the force of waves: polynomials on a lattice of equal pieces.
 
 The force of focused light is band-limited in the bead's position r: it is a sum of
-exp(i k (s - s').r) over pairs of directions in the cone, so its wave numbers are at most
+exp(i k (s - s').r) over pairs of directions in the cone. Its wave numbers are thus at most
 B = 2 k sin(theta_m) across the light and k (1 - cos(theta_m)) along it. By Bernstein's inequality
-its n-th derivatives are at most B^n times the largest force. So polynomials of degree n - 1 in the
-Chebyshev nodes of pieces of half-width h err by at most 2 (B h/2)^n/n! of it along each axis,
-wherever the piece lies and whatever the bead's size.
+its n-th derivatives are at most B^n times the largest force. Consider polynomials of degree n - 1
+in the Chebyshev nodes of pieces of half-width h. Along each axis they err by at most 2 (B h/2)^n/n!
+of the largest force, wherever the piece is and whatever the bead's size.
 
 Light that is the same all around its axis gives three functions of (rho, z), even in rho:
 
@@ -94,7 +94,7 @@ _WHOLE, _FRACTION = 2.0**52, np.uint64(2**52 - 1)
 class Lattice:
     """A force table as stored: polynomials on equal pieces of the plane (rho, z).
 
-    Lengths are in 1/k, forces in n_m P/c (k: wavenumber, n_m: refractive index, P: power).
+    Lengths are in 1/k and forces in n_m P/c, with wavenumber k, refractive index n_m and power P.
     """
 
     reach: float
@@ -119,14 +119,14 @@ class Lattice:
         return int(self.pieces.shape[0] * self.pieces.shape[1])
 
     def kernel(self, *, gradient: bool) -> Kernel:
-        """Return the kernel that reads this table; gradient: whether it adds gradients too."""
+        """Return the kernel that reads this table, and adds gradients if `gradient`."""
         functions = self.pieces.shape[2] // (2 if self.moment else 1)
         return lattice_kernel(gradient=gradient, functions=functions, moment=self.moment)
 
     def data(self, unit: float, strength: float, beyond: Part) -> Data:
         """Return the data of the kernel.
 
-        unit: 1/k, m. strength: n_m P/c, N. beyond: the force beyond `reach`.
+        `unit` is 1/k (m) and `strength` n_m P/c (N). The force beyond `reach` is `beyond`.
         """
         along, across = self.pieces.shape[:2]
         shape = np.array(
@@ -198,8 +198,8 @@ def _counts(band: tuple[float, float], reach: float, tolerance: float) -> tuple[
     """Return the numbers of Chebyshev nodes across and along the light over [-reach, reach].
 
     The coefficients of a plane wave of wave number b are the Bessel functions J_n(b reach). The
-    numbers are the degrees n from which these are below a hundredth of `tolerance`. band: the wave
-    numbers across and along, in k; reach: in 1/k.
+    numbers are the degrees n above which these are below a hundredth of `tolerance`. `band` are the
+    wave numbers across and along (in k), and `reach` is in 1/k.
     """
     digits = -math.log(1e-2 * tolerance)
     far = [
@@ -220,9 +220,9 @@ def _sampled(
 ) -> tuple[Array, float]:
     """Return the Chebyshev series of the functions of (rho, z), and the largest force sampled.
 
-    The functions are those by which `_functions` describes the force, then the moment. The series
-    is (functions, along, across), over [-reach, reach] of z and of rho; as the functions are even
-    in rho, `across` counts even degrees alone. Arguments are those of `build`.
+    `_functions` describes the force, and then the moment, by these functions. The series is
+    (functions, along, across), over [-reach, reach] of z and of rho. As the functions are even in
+    rho, `across` counts even degrees alone. `build` describes the arguments.
     """
     across, along = _counts(band, reach, tolerance)
     rho = reach * chebyshev.chebpts1(across)[across // 2 :]
@@ -251,10 +251,11 @@ def _sampled(
 def _functions(vectors: Array, rho: Array, azimuths: Array) -> Array:
     """Return the functions of (rho, z) that describe a field of vectors, (functions, along z, rho).
 
-    They are f, h, g, then the real and imaginary parts of U, V, W of a vector F, with zeta = x + i
-    y: F_x + i F_y = zeta (f + i h) + conj(zeta) U + zeta^3 V, F_z = g + Re(conj(W) zeta^2).
-    vectors: (along z, rho, azimuths, 3); rho: in 1/k; azimuths: rad, one for light that is the same
-    all around its axis, which has f, h and g alone, or three evenly over half a turn.
+    They are f, h, g, then the real and imaginary parts of U, V, W for a vector F(x, y, z). With
+    zeta = x + i y, F_x + i F_y = zeta (f + i h) + conj(zeta) U + zeta^3 V and
+    F_z = g + Re(conj(W) zeta^2). `vectors` are (along z, rho, azimuths, 3), with `rho` in 1/k and
+    `azimuths` in rad. Light that is the same all around its axis has one azimuth and f, h and g
+    alone. Other light has three azimuths, evenly over half a turn.
     """
     turn = np.exp(-1j * azimuths)
     lateral = (vectors[..., 0] + 1j * vectors[..., 1]) * turn  # radial + i azimuthal
@@ -276,8 +277,9 @@ def _divided(
 ) -> Lattice:
     """Return the table of polynomials on pieces that equals a Chebyshev series at their nodes.
 
-    series: (functions, along, across), as from `_sampled`. band, reach, moment: as in `build`.
-    half_width: of a piece, in 1/B, B the wave number of the band. Its errors are not known yet: 0.
+    `series` (functions, along, across) is a result of `_sampled`, and `build` describes `band`,
+    `reach` and `moment`. A piece has the `half_width` in 1/B, with the wave number B of the band.
+    The errors are not known yet and set to 0.
     """
     counts = _pieces(band, reach, half_width, series.shape[0])
     across = _to_pieces(counts[0], 0.0, 1.0, 2 * series.shape[2] - 2)[:, :, ::2]
@@ -292,8 +294,8 @@ def _pieces(
 ) -> list[int]:
     """Return the numbers of pieces along rho and z. Raises `SceneError` if they are too many.
 
-    band: wave numbers along both, in k; reach: in 1/k; half_width: of a piece, in 1/B, B the wave
-    number; functions: number of functions on each piece.
+    `band` are wave numbers B along both (in k), and `reach` is in 1/k. A piece has the `half_width`
+    in 1/B. `functions` is the number of functions on each piece.
     """
     counts = [
         max(1, math.ceil(edge * length / (2 * half_width)))
@@ -309,10 +311,10 @@ def _pieces(
 
 
 def _to_pieces(count: int, begin: float, end: float, degree: int) -> Array:
-    """Return the matrices from a Chebyshev series on [-1, 1] to powers on pieces of [begin, end].
+    """Return the matrices that convert a Chebyshev series on [-1, 1] to powers on equal pieces.
 
-    They are (count, ORDER, degree + 1): `count` equal pieces, powers of the coordinate that goes
-    from -1 to 1 on a piece, Chebyshev coefficients up to `degree`.
+    `count` pieces divide [begin, end]. The matrices are (count, ORDER, degree + 1), for powers of
+    the coordinate from -1 to 1 on a piece, and Chebyshev coefficients up to `degree`.
     """
     middle = begin + (end - begin) * (np.arange(count) + 0.5) / count
     places = middle[:, None] + (end - begin) / (2 * count) * _NODES
@@ -320,9 +322,9 @@ def _to_pieces(count: int, begin: float, end: float, degree: int) -> Array:
 
 
 def _compared(evaluate: Evaluate, lattice: Lattice) -> tuple[float, float]:
-    """Return the certified error of a table and the largest force at the places compared, n_m P/c.
+    """Return the certified error of a table, and the largest force found, in n_m P/c.
 
-    The table is compared with `evaluate` at random places within its range.
+    The table is compared with `evaluate` at random positions within its range.
     """
     rng = np.random.default_rng(5)
     count = max(_COMPARED, lattice.count)
@@ -341,9 +343,9 @@ def _compared(evaluate: Evaluate, lattice: Lattice) -> tuple[float, float]:
 def lattice_kernel(*, gradient: bool, functions: int, moment: bool) -> Kernel:
     """Return the kernel that reads a `Lattice`, and another force beyond its reach.
 
-    gradient: whether it adds gradients. functions: number of functions of (rho, z) for the force.
-    moment: whether the moment is tabled too, by as many. Entries of its data: numbers and lengths,
-    coefficients, the other force.
+    The kernel adds gradients if `gradient`. The force has `functions` functions of (rho, z); with
+    `moment` the moment has as many. The entries of its data are numbers and lengths, coefficients,
+    and the other force.
     """
     kinds, all_functions = 3 if gradient else 1, 2 * functions if moment else functions
     of_rows = all_functions * ROWS * (2 if gradient else 1)
@@ -419,8 +421,9 @@ def lattice_kernel(*, gradient: bool, functions: int, moment: bool) -> Kernel:
 def _piece(place, count):  # type: ignore[no-untyped-def]
     """Return the numbers, from 0, of the pieces in which eight beads are, along one axis.
 
-    place: coordinates in widths of a piece, from the begin of the first. count: number of pieces;
-    places beyond them give the first or the last. A place less 1/2, rounded, is its floor.
+    `place` are coordinates in widths of a piece, from the first piece. There are `count` pieces;
+    coordinates beyond them give the first or the last. A coordinate less 1/2, rounded, is its
+    floor.
     """
     rounded = ((place - 0.5) + _ROUNDED) - _ROUNDED
     last = spread(count - 1.0)
@@ -478,7 +481,7 @@ def _put(values, at, functions, x, y, slope, per_height, unit, wavenumber, gradi
     # zeta^2 and zeta^3, zeta = x + i y
     re_2, im_2 = x * x - y * y, 2.0 * x * y
     re_3, im_3 = x * re_2 - y * im_2, x * im_2 + y * re_2
-    for k in range(4 if gradient else 1):  # k = 0: the vector; 1 to 3: its derivative over x, y, z
+    for k in range(4 if gradient else 1):  # the vector (k = 0) and its derivatives over x, y, z
         size = unit if k == 0 else scale
         a = U[k] * x + u[k] * y + V[k] * re_3 - v[k] * im_3
         b = u[k] * x - U[k] * y + V[k] * im_3 + v[k] * re_3
@@ -504,5 +507,5 @@ def _put(values, at, functions, x, y, slope, per_height, unit, wavenumber, gradi
 
 @named_njit(**INNER)
 def _add(parts, at, value):  # type: ignore[no-untyped-def]
-    """Add eight numbers to those of `parts` from the entry `at` on."""
+    """Add eight numbers to the eight entries of `parts` that begin at `at`."""
     store(parts, at, lanes(parts, at) + value)

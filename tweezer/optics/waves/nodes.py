@@ -28,7 +28,7 @@ ComplexArray = NDArray[np.complex128]
 _MOST_DEGREES, _MOST_USED = 1024, 400
 #: Largest error of the light's series, as a part of its peak
 _LARGEST_ERROR = 1e-2
-#: Numbers of nodes: steps of 4 up to this number, of an eighth of the number above it
+#: Number of nodes up to which the numbers tried grow by 4; above it they grow by an eighth
 _FINE = 24
 #: Largest number of phases for which the error of a number of nodes is computed
 _MOST_ARGUMENTS = 256
@@ -214,9 +214,9 @@ _gauss = functools.lru_cache(maxsize=128)(leggauss)
 def _tails(degree: int) -> tuple[Array, Array]:
     """Return arguments x (n,) up to `degree`, and the sums over k >= j of 2 |J_k(x)|.
 
-    The sums, (degree + 1, n), of row j bound what a Chebyshev series of exp(i x y) in y leaves out
-    beyond degree j - 1. The Bessel functions J_k come from Miller's recurrence, downward from an
-    order beyond all that count.
+    Row j of the sums, (degree + 1, n), is a bound. It limits the part of exp(i x y) that a
+    Chebyshev series in y omits beyond degree j - 1. The Bessel functions J_k come from Miller's
+    recurrence, downward from an order at which they are negligible.
     """
     x = np.linspace(0.0, degree, min(2 * degree, _MOST_ARGUMENTS) + 1)[1:]
     extra = degree + 30 + int(3 * degree ** (1 / 3))

@@ -73,7 +73,7 @@ class Source(NamedTuple):
 
 @named_njit(**OPTIONS)
 def source_of(data, first):  # type: ignore[no-untyped-def]
-    """Return the `Source` whose fields are the entries of a force's data from `first` on."""
+    """Return the `Source` whose fields begin at the entry `first` of a force's data."""
     return Source(
         number(data, first), number(data, first + 1), number(data, first + 2),
         number(data, first + 3), number(data, first + 4), vector(data, first + 5),
@@ -87,7 +87,7 @@ def source_of(data, first):  # type: ignore[no-untyped-def]
 def rule_for(source, rho, z):  # type: ignore[no-untyped-def]
     """Return the number of the rule that integrates the light about a bead at (rho, z), m.
 
-    It is the one of fewest nodes whose largest phase is not exceeded; -1 if there is none.
+    It is the rule with the fewest nodes whose largest phase is not exceeded, or -1.
     """
     phase = source.wavenumber * (source.radius * source.half_angle + rho * source.phases[0])
     phase += abs(source.wavenumber * z - source.shift) * source.phases[1]
@@ -101,10 +101,11 @@ def rule_for(source, rho, z):  # type: ignore[no-untyped-def]
 def bessel_functions(source, rule, rho, bessel, norm):  # type: ignore[no-untyped-def]
     """Fill `bessel` (orders, nodes) with J_v(k rho sin(theta)) times norm (nodes,), v = 0, 1, ...
 
-    The recurrence goes down, at each node from an order where J_v is below rounding, with an
-    arbitrary value there (Miller); `norm` is filled with the factor that this leaves, from
-    J_0 + 2 (J_2 + J_4 + ...) = 1. source: `Source`; rule: its number; rho: of the bead, m. Both
-    arrays are flattened, with a padded number of nodes. Returns the largest order that counts.
+    At each node the recurrence goes down from an order where J_v is below rounding, with an
+    arbitrary value there (Miller). `norm` is filled with the factor that this leaves, from
+    J_0 + 2 (J_2 + J_4 + ...) = 1. `rule` is the number of a rule of `source`, and `rho` is the
+    bead's distance from the axis (m). Both arrays are flattened, with a padded number of nodes.
+    Returns the largest order that counts.
     """
     padded = int(source.rules[rule, PADDED])
     first = int(source.rules[rule, FIRST_NODE])
@@ -145,7 +146,7 @@ def bessel_functions(source, rule, rho, bessel, norm):  # type: ignore[no-untype
 
 @named_njit(**OPTIONS)
 def begin(x):  # type: ignore[no-untyped-def]
-    """Return an order v > x from which on the Bessel functions J_v(x) are below rounding."""
+    """Return an order v > x above which the Bessel functions J_v(x) are below rounding."""
     if x < 0.1:
         return 10
     return int(x + 7.0 * x ** (1.0 / 3.0)) + 12
@@ -155,10 +156,10 @@ def begin(x):  # type: ignore[no-untyped-def]
 def plane_waves(source, rule, part, z, norm, re, im):  # type: ignore[no-untyped-def]
     """Fill re, im (nodes,) with the plane waves of a part of the light at a bead's height z, m.
 
-    They are g(u) exp(i k z u) times the weight of the node, up to a constant phase, over `norm`: g
-    is the light's amplitude, u = cos(theta), k the wavenumber. Times the Bessel functions, which
-    have the factor `norm`, they are an integrand over the cone. source: `Source`; rule, part:
-    numbers of both.
+    They are g(u) exp(i k z u) times the weight of the node, up to a constant phase, over `norm`.
+    Here g is the light's amplitude, u = cos(theta) and k the wavenumber. Times the Bessel
+    functions, which have the factor `norm`, they are an integrand over the cone. `rule` and `part`
+    are numbers of a rule and of a part of the light in `source`.
     """
     first = int(source.rules[rule, FIRST_NODE])
     height = source.wavenumber * z - source.shift
@@ -175,11 +176,11 @@ def plane_waves(source, rule, part, z, norm, re, im):  # type: ignore[no-untyped
 def add_part(source, rule, part, azimuth, most, room, low, out):  # type: ignore[no-untyped-def]
     """Add the amplitudes P_nm of a part of the light to `out`, by sums over the nodes.
 
-    P_nm is the amplitude of the partial wave of degree n and order m about the bead. source:
-    `Source`; rule, part: numbers of the rule of nodes and of the part of the light. azimuth: (cos,
-    sin) of the bead's azimuth. most: largest order of the Bessel functions. room: `kernel.Room`
-    with Bessel functions and plane waves. out: flattened (2, orders, degrees), all real parts
-    before the imaginary ones; low: order m of its first row.
+    P_nm is the amplitude of the partial wave of degree n and order m about the bead. `rule` and
+    `part` are numbers of a rule and of a part of the light in `source`. `azimuth` is (cos, sin) for
+    the bead. The Bessel functions up to the order `most`, and the plane waves, are in `room`, a
+    `kernel.Room`. `out` is flattened (2, orders, degrees), all real parts before the imaginary
+    ones, and its first row has the order m = `low`.
     """
     bessel, re, im, work = room.bessel, room.re, room.im, room.work
     highest = source.highest

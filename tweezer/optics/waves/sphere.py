@@ -27,8 +27,9 @@ Number = float | complex
 class _Solutions:
     """Two solutions for a wave of degree n = 1, 2, ... at one surface, as numbers without overflow.
 
-    They are psi_n(z), the Riccati-Bessel function that is regular at 0, and chi_n or xi_n, at
-    z = m k r: m is the index of the layer relative to the medium, k r the surface's radius.
+    The first is psi_n(z), the Riccati-Bessel function that is regular at 0; the second is chi_n or
+    xi_n. The argument is z = m k r, with the index m of the layer relative to the medium, and the
+    radius r of the surface.
     """
 
     #: z f'/f - (n+1) of psi_n and of the second solution
@@ -71,7 +72,8 @@ def _reduced_derivatives(z: Number, highest: int) -> Array:
 def _ratios_upward(first: Number, z: Number, highest: int) -> Array:
     """Return the ratios f_n/f_(n-1) for n = 1..highest of a solution that does not fall with n.
 
-    first: the ratio for n = 1. Recurrence of Riccati-Bessel functions, which is stable upward here.
+    `first` is the ratio for n = 1. The recurrence of Riccati-Bessel functions is stable upward
+    here.
     """
     found = np.empty(highest, dtype=type(z))
     found[0] = first
@@ -83,8 +85,8 @@ def _ratios_upward(first: Number, z: Number, highest: int) -> Array:
 def _solutions(z: Number, highest: int, by_xi: bool) -> _Solutions:
     """Return the two solutions at z for n = 1..highest.
 
-    by_xi: take xi_n = psi_n - i chi_n as the second, where the light decays in the layer so much
-    that psi_n and chi_n are proportional within rounding; else chi_n.
+    With `by_xi` the second solution is xi_n = psi_n - i chi_n, for a layer that absorbs so strongly
+    that psi_n and chi_n are proportional within rounding. Otherwise it is chi_n.
     """
     n = np.arange(1, highest + 1)
     psi = _reduced_derivatives(z, highest)
@@ -111,14 +113,15 @@ def mie_coefficients(
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """Return the Mie coefficients a_n and b_n, n = 1..highest, of a sphere in layers.
 
-    shells: from the core outwards, the outer radius [m] and the index relative to the medium, of
-    which Im > 0 absorbs. wavenumber: that in the medium [1/m]. With exp(-i omega t), and a_n and
-    b_n as in Bohren and Huffman, Absorption and Scattering of Light by Small Particles, (4.56) and
-    (4.57). Exactly zero for indices of 1. Real indices are calculated with real numbers, so that
-    Re a_n of a small sphere keeps its digits beside Im a_n.
+    `shells` are listed from the core outwards, each with its outer radius (m) and its index
+    relative to the medium; Im > 0 absorbs. `wavenumber` is the one in the medium (1/m). Fields vary
+    as exp(-i omega t), and a_n and b_n are defined as in Bohren and Huffman, Absorption and
+    Scattering of Light by Small Particles, (4.56) and (4.57). The coefficients are exactly zero for
+    indices of 1. Real indices are calculated with real numbers, so that Re a_n of a small sphere
+    keeps its digits beside Im a_n.
     """
     n = np.arange(1, highest + 1)
-    # a surface between equal indices is none
+    # equal indices do not form a surface
     surfaces = [
         shell
         for shell, around in zip(shells, (*shells[1:], (np.inf, None)), strict=True)
