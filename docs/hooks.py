@@ -43,6 +43,8 @@ SCENES = sorted(
 )
 #: the folder of their pages, in the site
 PLAYS = "plays"
+#: weights of pages in the search, by the tab of the navigation; 1 for the others
+SEARCHED = {"Start": 4, "Guides": 4, "API": 0.1, "Evidence": 0.3}
 #: pages that are no files of docs/
 ELSEWHERE = ("CHANGELOG.md", "CONTRIBUTING.md", "derivation/README.md", *NOTEBOOKS)
 
@@ -119,7 +121,11 @@ def on_files(files: Files, config: MkDocsConfig) -> None:
 
 
 def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
-    """Change links out of and into docs/ to pages of the site, and list the API in its index."""
+    """Set the weight of the page in the search, and complete the page.
+
+    Links out of and into docs/ lead to pages of the site, and the index of the API lists its names.
+    """
+    page.meta["search"] = {"boost": SEARCHED.get(page.ancestors[-1].title, 1)}
     if page.file.src_uri in ELSEWHERE:
         return markdown.replace("](docs/", "](")
     if page.file.src_uri == "api/index.md":
@@ -228,6 +234,8 @@ def _of_a_notebook(content: str, page: Page, config: MkDocsConfig, files: Files)
 
     content = re.sub(r'<style type="text/css">(.*?)</style>', shared, content, flags=re.DOTALL)
     content = _FIGURE.sub(apart, content).replace(' tabindex="0"', "")
+    # the search ignores code cells with their prompts and buttons
+    content = re.sub(r'(?=class="jp-Cell jp-CodeCell)', "data-search-exclude ", content)
     opened = (
         f'<p><a href="{name}.ipynb" download>{name}.ipynb</a> runs in Jupyter: '
         '<a href="../index.html#the-notebooks">how to open it</a>.</p>'
@@ -245,26 +253,39 @@ def _understood(formula: str) -> bool:
 
 
 def gallery() -> str:
-    """Each shipped scene: what it is, its figure, how it is made, its page that plays."""
+    """Return the gallery: a card for each shipped scene, with a picture of its interactive page."""
     lines = [
+        "---",
+        "hide: [navigation, toc]",
+        "---",
+        "",
         "# Gallery",
         "",
-        "The scenes that tweezer comes with, each as it is: copy one, and change what differs for "
-        "your bead. `tweezer scenes` prints where their files are, and [Scene files](scenes.md) "
-        "has every key. Each figure has a page that plays: turn it, drag the time.",
+        "These scenes come with tweezer. A picture opens the [interactive page](view.md) of its "
+        "scene, on which you can turn the view and drag the time. Copy the scene that resembles "
+        "your experiment and change it: `tweezer scenes` prints where the files are, and "
+        "[Scene files](scenes.md) describes every key.",
+        "",
+        '<div class="cards" markdown>',
     ]
     for path in SCENES:
         name, text = path.stem, path.read_text(encoding="utf-8")
         why = " ".join(line.removeprefix("#").strip() for line in _opening(text))
         what = tomllib.loads(text)["description"]
+        lines += ["", "<div markdown>", "", f'<a href="{PLAYS}/{name}.html">']
         lines += [
-            "", f"## {name}", "", f"{what[0].upper()}{what[1:]}. {why}", "",
-            f"![{what}: its path, and position and speed in time](figures/gallery/{name}.png)"
-            "{ loading=lazy }",
-            "", f'<a href="{PLAYS}/{name}.html">See it play</a>, on a page of its own', "",
+            f'<img src="figures/gallery/{name}-{scheme}.webp#only-{scheme}" width="360" '
+            f'height="270" loading="lazy" alt="Interactive page of {name}">'
+            for scheme in ("light", "dark")
+        ]
+        lines += [
+            "</a>", "", f"## {name}", "", f"{what[0].upper()}{what[1:]}. {why}", "",
+            f'<a href="{PLAYS}/{name}.html">Interactive page</a> · '
+            f"[Figure of the run](figures/gallery/{name}.png)", "",
             "```sh", f"tweezer run {name} --plot {name}.png", f"tweezer view {name}.nc", "```",
+            "", "</div>",
         ]  # fmt: skip
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, "", "</div>"]) + "\n"
 
 
 def _opening(text: str) -> list[str]:

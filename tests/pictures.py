@@ -1,4 +1,7 @@
-"""Pictures of pages for the documentation: `make figures`. They need Chromium and its driver."""
+"""Pictures of interactive pages: figures of the documentation and thumbnails of the gallery.
+
+`make figures` makes all of them. They require Chromium and its driver.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +9,13 @@ import base64
 import sys
 import tempfile
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import tweezer
 from tests.browsing import chromium, resize
+
+if TYPE_CHECKING:
+    from selenium.webdriver import Chrome
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
 
@@ -16,24 +23,46 @@ FIGURES = Path(__file__).parents[1] / "docs" / "figures"
 SEEK = """
 const [first, last] = tweezer.duration;
 tweezer.seek(first + arguments[0] * (last - first));"""
-#: scenes, and the part of the run that is over in the picture
+#: shipped scenes on a figure of the whole page, and the part of the run that is over in it
 SHOWN = {"silica-1um": 0.03}
+#: the same for the thumbnails, of all shipped scenes; 0.1 if not listed
+THUMBNAILS = {"moving-trap": 0.6, "two-traps": 0.3}
+#: hides what lies over the drawing and returns its box in the window
+DRAWING = """
+for (const over of document.querySelectorAll(".over, .forces")) over.style.display = "none";
+const {x, y, width, height} = document.querySelector(".stage canvas").getBoundingClientRect();
+return {x, y: y + (height - 0.75 * width) / 2, width, height: 0.75 * width, scale: 360 / width};"""
 
 
 def main(names: list[str]) -> None:
-    """Draw those of `names`, or all."""
+    """Make the pictures of the scenes `names`, or of all."""
     driver = chromium()
     if driver is None:
         raise SystemExit("no chromium and chromedriver on this machine")
     resize(driver, 1280, 800)
     with tempfile.TemporaryDirectory() as folder:
-        for name in names or SHOWN:
+        for name in names or tweezer.shipped_scenes():
             page = tweezer.view(name).save(Path(folder) / "page.html")
-            driver.get(page.as_uri())
-            driver.execute_script(SEEK, SHOWN.get(name, 0.1))
-            taken = driver.execute_cdp_cmd("Page.captureScreenshot", {"format": "png"})
-            (FIGURES / f"view-{name}.png").write_bytes(base64.b64decode(taken["data"]))
+            if name in SHOWN:
+                driver.get(page.as_uri())
+                driver.execute_script(SEEK, SHOWN[name])
+                _take(driver, FIGURES / f"view-{name}.png", {"format": "png"})
+            for scheme in "light", "dark":
+                media = [{"name": "prefers-color-scheme", "value": scheme}]
+                driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": media})
+                driver.get(page.as_uri())
+                driver.execute_script(SEEK, THUMBNAILS.get(name, 0.1))
+                box = driver.execute_script(DRAWING)
+                picture = {"format": "webp", "quality": 80, "clip": box}
+                _take(driver, FIGURES / "gallery" / f"{name}-{scheme}.webp", picture)
+            driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
     driver.quit()
+
+
+def _take(driver: Chrome, path: Path, picture: dict[str, Any]) -> None:
+    """Write a picture of the window to `path`, in the format and clip that `picture` names."""
+    taken = driver.execute_cdp_cmd("Page.captureScreenshot", picture)
+    path.write_bytes(base64.b64decode(taken["data"]))
 
 
 if __name__ == "__main__":

@@ -242,7 +242,7 @@ def test_what_keeps_a_reader_out_is_found(tmp_path, browser):
 
 def test_a_figure_enlarges_by_the_keyboard(site, browser):
     browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-    browser.get((site / "gallery.html").as_uri())
+    browser.get((site / "trap.html").as_uri())
     link = browser.find_element("css selector", "a.glightbox")
     browser.execute_script("arguments[0].focus()", link)
     link.send_keys(Keys.ENTER)
@@ -282,7 +282,9 @@ def test_gallery_has_every_scene(site):
     page = (site / "gallery.html").read_text()
     for name, path in SCENES.items():
         assert f'id="{name}"' in page
-        assert f'src="figures/gallery/{name}.png"' in page
+        for scheme in "light", "dark":
+            assert f'src="figures/gallery/{name}-{scheme}.webp#only-{scheme}"' in page
+        assert f'href="figures/gallery/{name}.png"' in page
         assert f'href="plays/{name}.html"' in page
         description = tomllib.loads(path.read_text())["description"]
         assert description[1:] in html.unescape(page)
@@ -291,18 +293,24 @@ def test_gallery_has_every_scene(site):
             assert html.unescape(title).replace("µm", "um") == description
 
 
-def test_search_from_a_folder(site, browser):
+#: pages that answer a question
+GUIDES = {"first-trap", "first-recording", "how-do-i", "trap", "trapping-diagram", "calibration"}
+
+
+@pytest.mark.parametrize("query", ["stiffness", "NA", "trap", "blur"])
+def test_search_from_a_folder_answers_with_a_guide_first(site, browser, query):
     browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
     browser.set_window_size(1280, 900)
     browser.get((site / "index.html").as_uri())
-    browser.find_element("class name", "md-search__input").send_keys("stiffness")
+    browser.find_element("class name", "md-search__input").send_keys(query)
     results = WebDriverWait(browser, 30).until(
         lambda driver: driver.find_elements("css selector", "a.md-search-result__link")
     )
     addresses = [urlsplit(result.get_attribute("href")) for result in results]
     assert len(addresses) > 3
     assert all(Path(unquote(address.path)).is_file() for address in addresses)
-    assert "07_trap_characterisation.html" in {Path(address.path).name for address in addresses}
+    assert Path(addresses[0].path).stem in GUIDES
+    assert "Copied!" not in browser.find_element("class name", "md-search-result").text
 
 
 def test_what_is_broken_fails(tmp_path):
