@@ -88,6 +88,10 @@ _BOLD_GREEK = re.compile(r'(?<=<mi) mathvariant="bold-italic">&#x00(3[BC][0-9A-F
 NUMBERS = ("evidence-", "fluid.md", "physics.md", "scaling.md")
 _TABLE = re.compile(r"<table>\n<thead>.*?</table>", re.DOTALL)
 
+#: code of a notebook with its prompts and buttons, which the search ignores
+_INPUT = re.compile(
+    r'<clipboard-copy|<pre(?=><span></span>)|<div class="(?:jp-\w+Prompt |clipboard-copy-txt)[^"]*"'
+)
 #: figures within a notebook, which nbconvert gives no text
 _FIGURE = re.compile(r'<img alt="[^"]*"([^>]*?) src="data:image/png;base64,([^"]*)"')
 
@@ -234,8 +238,7 @@ def _of_a_notebook(content: str, page: Page, config: MkDocsConfig, files: Files)
 
     content = re.sub(r'<style type="text/css">(.*?)</style>', shared, content, flags=re.DOTALL)
     content = _FIGURE.sub(apart, content).replace(' tabindex="0"', "")
-    # the search ignores code cells with their prompts and buttons
-    content = re.sub(r'(?=class="jp-Cell jp-CodeCell)', "data-search-exclude ", content)
+    content = _INPUT.sub(r"\g<0> data-search-exclude", content)
     opened = (
         f'<p><a href="{name}.ipynb" download>{name}.ipynb</a> runs in Jupyter: '
         '<a href="../index.html#the-notebooks">how to open it</a>.</p>'

@@ -1,6 +1,7 @@
 """The site builds without a warning, and its pages are whole, in a browser too."""
 
 import html
+import json
 import os
 import re
 import shutil
@@ -310,7 +311,13 @@ def test_search_from_a_folder_answers_with_a_guide_first(site, browser, query):
     assert len(addresses) > 3
     assert all(Path(unquote(address.path)).is_file() for address in addresses)
     assert Path(addresses[0].path).stem in GUIDES
-    assert "Copied!" not in browser.find_element("class name", "md-search-result").text
+
+
+def test_search_ignores_the_code_of_notebooks(site):
+    index = json.loads((site / "search/search_index.json").read_text())
+    told = "".join(entry["text"] for entry in index["docs"] if "notebooks/" in entry["location"])
+    assert "Euler" in told
+    assert not re.search(r"Copied!|In.{0,6}\[\d+\]:|import matplotlib", told)
 
 
 def test_what_is_broken_fails(tmp_path):
@@ -322,6 +329,7 @@ def test_what_is_broken_fails(tmp_path):
         "docs/plays.py", "docs/index.md", "docs/knobs.json",
     ):  # fmt: skip
         shutil.copy(ROOT / name, tmp_path / name)
+    shutil.copytree(ROOT / "docs/templates", tmp_path / "docs/templates")
     with (tmp_path / "docs/index.md").open("a") as page:
         page.write("\n[one](nowhere.md) [two][tweezer.nothing] \\(\\nonsense\\)\n")
     broken = nbformat.v4.new_notebook(
