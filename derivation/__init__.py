@@ -1,7 +1,7 @@
-"""SymPy derivation of the bead's equations of motion and of the force of light on it.
+"""SymPy derivation of the equations of motion and the optical force of a bead.
 
-Symbols only: nothing here is imported when a bead is simulated. `python -m derivation`
-emits the results as Numba modules into `generated/`. A wheel has this package as
+The modules are symbolic; none is imported when a bead is simulated. `python -m derivation` emits
+the results as Numba modules into `generated/`. A wheel contains this package as
 `tweezer.derivation`.
 """
 

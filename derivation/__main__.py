@@ -1,4 +1,4 @@
-"""Regenerate `generated/`, or check that it is what the derivation gives."""
+"""Regenerate `generated/`, or check that it is up to date with the derivation."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Emission of `generated/`: one code path that writes it, or compares it with what is there.
+"""Emission of `generated/`: the same code writes the files or compares them with existing ones.
 
-The bytes depend on the sources alone: no dates, no paths, no hash order; the formatter runs as
-part of emission.
+The bytes depend on the sources alone. They contain no dates, no paths and no hash order, and the
+formatter runs as part of emission.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ SOURCES = Path(__file__).parent
 #: the committed output
 GENERATED = SOURCES.parent / "generated"
 _WIDTH = 100
-#: where the table of poles comes from
+#: sources of the table of poles
 _POLES = ("memory_poles.py", "memory_poles.json")
-#: and the mobilities beside a wall
+#: sources of the mobilities beside a wall
 _WALL = ("wall.py", "wall_coefficients.json")
 
 _PACKAGE = '''"""Numba modules made by `python -m derivation`; do not edit.
@@ -38,7 +38,7 @@ One module a model and variant. They import math and numba only. `memory_poles` 
 
 
 def emit() -> dict[str, str]:
-    """Text of every file of `generated/`, by name."""
+    """Return the text of every file of `generated/`, by name."""
     template = _environment().get_template("module.py.jinja")
     files = {"__init__.py": _PACKAGE}
     for module in catalogue():
@@ -73,10 +73,10 @@ def _sources(names: Iterable[str]) -> str:
 
 
 def differences(files: Mapping[str, str], folder: Path) -> Iterator[str]:
-    """A unified diff for every file that is missing, differs, or stands in `folder` unasked."""
+    """Yield a unified diff for every file that is missing or differs, or should not exist."""
     present = _present(folder)
     for name in sorted(present | set(files)):
-        # bytes, so that line ends count; what cannot be decoded is shown by escapes
+        # bytes, so that line ends count; bytes that cannot be decoded appear as escapes
         old = (
             (folder / name).read_bytes().decode(errors="backslashreplace")
             if name in present
@@ -95,7 +95,7 @@ def differences(files: Mapping[str, str], folder: Path) -> Iterator[str]:
 
 
 def write(files: Mapping[str, str], folder: Path) -> None:
-    """Write every file into `folder`, and remove what is no longer emitted."""
+    """Write every file into `folder`, and remove files that are no longer emitted."""
     folder.mkdir(exist_ok=True)
     for orphan in _present(folder) - set(files):
         (folder / orphan).unlink()
@@ -104,7 +104,7 @@ def write(files: Mapping[str, str], folder: Path) -> None:
 
 
 def _present(folder: Path) -> set[str]:
-    """Every file below `folder`, whatever its kind, but for Python's and numba's caches."""
+    """Return every file below `folder`, of any kind, without the caches of Python and Numba."""
     return {
         path.relative_to(folder).as_posix()
         for path in folder.rglob("*")
@@ -136,7 +136,7 @@ def _environment() -> jinja2.Environment:
 
 
 def _horner(coefficients: list[str]) -> str:
-    """A polynomial of x, from its lowest power upwards."""
+    """Return a polynomial of x by Horner's rule, from its coefficients, the lowest power first."""
     *lower, text = coefficients
     for at, coefficient in enumerate(reversed(lower)):
         text = f"({text}) * x + {coefficient}" if at else f"{text} * x + {coefficient}"
@@ -157,7 +157,7 @@ def _equation(quantity: Quantity) -> str:
 
 
 def _input_names(module: Module) -> Iterator[tuple[str, str]]:
-    """RHS_INPUTS and JACOBIAN_INPUTS: what stands between `state` and `params`."""
+    """Yield RHS_INPUTS and JACOBIAN_INPUTS: the arguments between `state` and `params`."""
     if module.state:
         for function in module.functions[:2]:
             names = tuple(argument.name for argument in function.arguments[2:-1])

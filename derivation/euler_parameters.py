@@ -42,7 +42,7 @@ R = rotation_matrix(e)
 
 
 def along(expression: sp.MatrixBase, variables: sp.Matrix, rates: sp.Matrix) -> sp.MatrixBase:
-    """Rate of change of `expression` when `variables` change at `rates` (the chain rule)."""
+    """Return the rate of change of `expression` when `variables` change at `rates` (chain rule)."""
     total = sp.zeros(*expression.shape)
     for variable, rate in zip(variables, rates, strict=True):
         total += expression.diff(variable) * rate
@@ -50,9 +50,9 @@ def along(expression: sp.MatrixBase, variables: sp.Matrix, rates: sp.Matrix) -> 
 
 
 def angular_velocity_from_rotation() -> sp.Matrix:
-    """omega (A.6), body frame, from the skew part of R^T R', for e of any length.
+    """Return omega |e|^2 (A.6), body frame, from the skew part of R^T R', for e of any length.
 
-    Returned times |e|^2, which clears the only denominator: bilinear in e and e'.
+    The factor |e|^2 clears the only denominator, so the result is bilinear in e and e'.
     """
     spin = R.T * along(R, e, edot)
     skew = (spin - spin.T) / 2
@@ -68,8 +68,8 @@ Ldot = along(L, e, edot)
 #: e' from omega: the solution of omega |e|^2 = L e' with e.e' = 0 (A.22), by L L^T = 4 |e|^2 1
 euler_rates_from_omega = L.T * omega / 4
 
-#: e/|e| and the part of e' orthogonal to e, which meet (A.21) and (A.22): they take the place of
-#: (A.26), which divides by e0.
+#: e/|e| and the part of e' orthogonal to e, which satisfy (A.21) and (A.22). They replace (A.26),
+#: which divides by e0.
 unit_euler_parameters = e / sp.sqrt(norm_squared)
 tangent_euler_rates = edot - e * (e.T * edot)[0] / norm_squared
 

@@ -1,20 +1,20 @@
 """A sphere in a fluid with inertia: drag from the unsteady Stokes flow, its noise, its memory.
 
-Slow flow, u = e^(st), about a sphere that moves by U e^(st) along z:
+Consider slow flow, u = e^(st), about a sphere that moves by U e^(st) along z:
 
     rho_m s u = -grad p + mu_m lap u,   div u = 0,   u = U z on the sphere, 0 far away.
 
 Its drag is gamma(s) (Boussinesq 1885, Basset 1888; L. D. Landau, E. M. Lifshitz, Fluid Mechanics,
-section 24). In a fluid in equilibrium it brings a force with the spectrum 2 kT Re gamma(i w), so
-that a free bead has the velocity's autocorrelation kT/Z(s), Z = m s + gamma(s).
+section 24). A fluid in equilibrium exerts a random force with the spectrum 2 kT Re gamma(i w). The
+velocity of a free bead therefore has the autocorrelation kT/Z(s), Z = m s + gamma(s).
 
-The root in gamma is made of fictitious masses m_k that the bead drags through dashpots beta c_k
-(`derivation.memory_poles`). The noise of each dashpot pushes bead and mass with equal and opposite
-forces; then all velocities are Maxwell's, and independent, in equilibrium.
+The root in gamma is represented by fictitious masses m_k that the bead drags through dashpots
+beta c_k (`derivation.memory_poles`). The noise of each dashpot pushes bead and mass with equal and
+opposite forces. Then all velocities are Maxwell's, and independent, in equilibrium.
 
-A wall reflects the flow, and the sphere is in what comes back. Along the wall the flow is a sum of
-waves e^(i q X), of each of which the wall stops both parts: the dipole's, e^(-q z), and the one
-with vorticity, e^(-l z), l^2 = q^2 + alpha^2.
+A wall reflects the flow, which acts back on the sphere. Along the wall the flow is a sum of waves
+e^(i q X). The wall stops both parts of each wave: the dipole's, e^(-q z), and the part with
+vorticity, e^(-l z), where l^2 = q^2 + alpha^2.
 """
 
 from __future__ import annotations
@@ -106,19 +106,18 @@ DRAG_OF_TRANSLATION = Equation(
 )
 DRAG_OF_ROTATION = Equation("-", "that of its rotation", r"\gamma_\omega(s)", ROTATION)
 
-# --- what a wall reflects ------------------------------------------------------------------------
-# Of a force of 1 at a height h above a wall at z = 0; times 2 mu_m alpha^2, and e^(i q X).
+# --- reflection by a wall ------------------------------------------------------------------------
+# By a force of 1 at a height h above a wall at z = 0; times 2 mu_m alpha^2, and e^(i q X).
 q, h, z_up = sp.symbols("q h z_up", positive=True)
 #: decay of the part with vorticity
 decay = sp.Symbol("l_q", positive=True)
-#: sphere over point force: size of both parts of the flow that it makes, and of the force on it in
-#: a flow of each part
+#: sphere over point force: sizes of both parts of its flow, and of its force in each part
 DIPOLE, VORTICAL = 1 + x + x**2 / 3, sp.exp(x)
 _W_p, _W_v = sp.symbols("W_p W_v", positive=True)
 
 
 def below_a_force(*, across: bool) -> tuple[sp.Expr, sp.Expr]:
-    """Velocity along the wave and up, below a force along the wave, or up."""
+    """Return the velocity along the wave and up, below a force along the wave, or up."""
     slow, fast = _W_p * sp.exp(q * (z_up - h)), _W_v * sp.exp(decay * (z_up - h))
     if across:
         return sp.I * q * (slow - fast), q * slow - q**2 / decay * fast
@@ -126,13 +125,13 @@ def below_a_force(*, across: bool) -> tuple[sp.Expr, sp.Expr]:
 
 
 def above_a_wall(dipole: sp.Expr, vortical: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-    """A wave that leaves the wall."""
+    """Return the velocity along and up in a wave that leaves the wall, from its two amplitudes."""
     slow, fast = dipole * sp.exp(-q * z_up), vortical * sp.exp(-decay * z_up)
     return sp.I * q * slow + fast, -q * slow + sp.I * q / decay * fast
 
 
 def _returned(*, across: bool) -> sp.Expr:
-    """What the sphere feels of the wave that its force sends to the wall."""
+    """Return the velocity of the sphere in the reflection of the wave that its force causes."""
     P, V = sp.symbols("P V")
     there = zip(below_a_force(across=across), above_a_wall(P, V), strict=True)
     solved = sp.solve([(down + up).subs(z_up, 0) for down, up in there], (P, V), dict=True)[0]
@@ -140,7 +139,7 @@ def _returned(*, across: bool) -> sp.Expr:
     return sp.simplify(felt)
 
 
-#: a force along the wave, up, and along the wall but across the wave: a shear wave
+#: for a force along the wave, up, and along the wall but across the wave (a shear wave)
 RETURNED_ALONG, RETURNED_ACROSS = _returned(across=False), _returned(across=True)
 RETURNED_SHEAR = -(alpha**2) / decay * _W_v**2 * sp.exp(-2 * decay * h)
 #: G(s), the velocity by a force of 1, is int q dq/(4 pi) of the sum of both, over 2 mu_m alpha^2,
@@ -269,7 +268,7 @@ CLOSED_FORMS = {
     ),
 }
 
-#: kT times this is what is left of <v(0) v(t)> at late times, for every sphere
+#: late limit of <v(0) v(t)> over kT, for every sphere
 _t = sp.Symbol("t", positive=True)
 TAIL = Equation(
     "-",

@@ -1,19 +1,19 @@
-"""Drag and thermal noise (2.13-2.20) solved exactly over a step, and what is left at first order.
+"""Drag and thermal noise (2.13-2.20) solved exactly over a step, and their limit of first order.
 
-One coordinate of a bead in a harmonic trap of rate kappa = k/beta (0 without one), under a slow
-velocity u that the step holds constant or lets grow in proportion to the time:
+One coordinate of a bead is in a harmonic trap of rate kappa = k/beta (0 without one). During the
+step the slow velocity u is constant or grows in proportion to the time:
 
     dx = v dt,   dv = ((u - v)/tau - (kappa/tau) x) dt + sqrt(2 (kT/m)/tau) dW,   tau = m/beta.
 
-Every function of the step h is written by d, the displacement that a unit of velocity brings:
+Every function of the step h is written by d, the displacement per initial velocity:
 
     j = int d,  l = int j,  e_xx = 1 - kappa j/tau,  e_vv = 1 - d/tau - kappa j/tau,
     Var x = (kT/m) c_xx,  Cov = (kT/m) d^2/tau,  Var v = (kT/m) c_vv.
 
-Their closed forms lose all digits where the two rates come together or the step is short. What
-is emitted is the Taylor series of a short step, and the exact step from h to 2 h: sums of terms
-of one sign for a bead with more drag than spring, so that a step of any length, made by doubling,
-keeps its digits.
+Their closed forms lose all digits if the two rates are close to each other or the step is short.
+Two parts are emitted instead: the Taylor series of a short step, and the exact step from h to 2 h.
+For a bead with more drag than spring both are sums of terms of one sign. A step of any length, made
+by doubling, therefore keeps its digits.
 """
 
 from __future__ import annotations
@@ -114,8 +114,8 @@ COVARIANCE = Equation(
     sp.Matrix([[c_xx, d**2 / tau], [d**2 / tau, c_vv]]),
 )
 
-#: what a step makes of v, of the whole slow velocity at its begin (u less kappa x), and of how much
-#: u rises over it: in the position's gain, and in the velocity
+#: weights for the position and the velocity after a step. They multiply v, the initial slow
+#: velocity (u less kappa x), and the rise of u over the step
 STEP_WEIGHTS = {
     "by_v": d,
     "by_u": j / tau,
@@ -186,11 +186,11 @@ density, u = sp.Function("n")(x, t), sp.Function("u")(x)
 
 
 def _first_order_flux() -> tuple[sp.Expr, sp.Expr]:
-    """Orders 0 and 1 in tau of the flux, from the moments of Kramers' equation over v.
+    """Return orders 0 and 1 in tau of the flux, from the moments of Kramers' equation over v.
 
-    With kT/m = D/tau, n, J, K, M the moments of order 0 to 3:
+    The moments n, J, K, M are of order 0 to 3, and kT/m = D/tau. They satisfy
     n_t = -J_x,  J_t = -K_x - (J - u n)/tau,  K_t = -M_x - 2 (K - u J)/tau + 2 D n/tau^2.
-    Leading orders: K = D n/tau + K_0, M = 3 D J/tau.
+    Their leading orders are K = D n/tau + K_0 and M = 3 D J/tau.
     """
     J_0 = u * density - D * density.diff(x)
     n_t = -J_0.diff(x)

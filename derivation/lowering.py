@@ -20,7 +20,7 @@ class Argument:
 
     @property
     def elements(self) -> tuple[str, ...]:
-        """How each quantity is read: `state[3]`, `force_gradient[0, 2]`, or the name itself."""
+        """Expression for each quantity: `state[3]`, `force_gradient[0, 2]`, or the name itself."""
         if not self.shape:
             return (self.name,)
         if len(self.shape) == 1:

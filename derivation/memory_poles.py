@@ -1,23 +1,23 @@
-"""The table of poles of the fluid's memory: `python -m derivation.memory_poles` makes it anew.
+"""The table of poles of the fluid's memory; `python -m derivation.memory_poles` computes it.
 
 The drag of a fluid with inertia has the term sqrt(s tau_f) (`derivation.hydrodynamics`). With
-s in units of 1/tau_f it is an integral with a positive density, and so a sum of such terms comes
-near to it:
+s in units of 1/tau_f it is an integral with a positive density, so a sum of such terms approximates
+it:
 
     sqrt(s) = (1/pi) int_0^inf p^(-1/2) s/(s + p) dp,      sqrt(s) ~ sum_k c_k s/(s + p_k).
 
-What counts is the error of the impedance Z = 1 + sqrt(s) + mu s over Z itself. mu is least for the
-lightest bead, 1/9, so that its Z serves as weight for all. Late times ask for a small error over
-sqrt(s) too, by a factor kappa larger. Each table is the best in the sense of Chebyshev of
+The relevant error is relative to the impedance Z = 1 + sqrt(s) + mu s. The smallest mu, 1/9, is the
+lightest bead's, and its Z is the weight for all beads. Late times require a small error relative to
+sqrt(s) too, which may be larger by a factor kappa. Each table is the best in Chebyshev's sense of
 
     |sum_k c_k s/(s + p_k) - sqrt(s)| <= E W,
     W = min(|1 + sqrt(s) + s/9|, kappa |sqrt(s) + sqrt(w_low)|)
 
-on s = i w, w from w_low/50 to w_high: nonlinear least squares over ln c and ln p, whose weights
-grow where the error is large (Lawson's method), from poles in geometric progression.
+on s = i w, w from w_low/50 to w_high. It is found by nonlinear least squares over ln c and ln p,
+from poles in geometric progression. The weights grow where the error is large (Lawson's method).
 
-The bytes of what this module makes depend on the machine, in the last digits. Its output is
-therefore data: `memory_poles.json` is committed, and emitted as `generated/memory_poles.py`.
+The last digits of the result depend on the machine. The output is therefore data:
+`memory_poles.json` is committed, and emitted as `generated/memory_poles.py`.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ class Table:
 
 
 def weight(w: Array, kappa: float, w_low: float) -> Array:
-    """W at the frequencies w."""
+    """Return W at the frequencies w."""
     root = np.sqrt(1j * w)
     impedance = np.abs(1 + root + 1j * w / 9)
     return np.minimum(impedance, kappa * np.abs(root + math.sqrt(w_low)))
@@ -94,14 +94,14 @@ def _terms(c: Array, p: Array, s: Complex) -> Complex:
 
 
 def largest_error(p: Array, c: Array, kappa: float, w_low: float, w_high: float) -> float:
-    """E of a table."""
+    """Return the largest error E of a table of poles p and weights c."""
     w = np.geomspace(w_low / 50, w_high, 400 * len(p))
     error = _terms(c, p, 1j * w).sum(axis=1) - np.sqrt(1j * w)
     return float((np.abs(error) / weight(w, kappa, w_low)).max())
 
 
 def best(n: int, kappa: float, w_low: float, w_high: float) -> tuple[Array, Array]:
-    """Poles and weights with the least E."""
+    """Return the n poles and weights with the smallest E, in the order of the poles."""
     w = np.geomspace(w_low / 50, w_high, POINTS * n)
     s, scale = 1j * w, weight(w, kappa, w_low)
     ln_p = np.linspace(math.log(w_low / 100), math.log(w_high * 10), n)

@@ -54,8 +54,8 @@ _DM = sp.Matrix(3, 3, vector(sy.MOMENT_GRADIENT))
 _HF = sp.Matrix(3, 3, vector(sy.FORCE_CURVATURE))
 _HM = sp.Matrix(3, 3, vector(sy.MOMENT_CURVATURE))
 
-#: how each input changes with the position: dF/dq, dM/dq, db/dq, and for the rates along
-#: u = (F + W)/beta_v: d(DF u)/dq = HF + DF DF/beta_v
+#: Derivative of each input over the position: dF/dq, dM/dq and db/dq. The rates along
+#: u = (F + W)/beta_v give d(DF u)/dq = HF + DF DF/beta_v
 _OVER_POSITION = (
     (vector(sy.FORCE), _DF),
     (vector(sy.MOMENT), _DM),
@@ -66,7 +66,7 @@ _OVER_POSITION = (
 
 
 def jacobian(rates: sp.MatrixBase, state: tuple[Quantity, ...]) -> sp.MatrixBase:
-    """d(rates)/d(state), through force, moment and mobility where they depend on position."""
+    """Return d(rates)/d(state), including force, moment and mobility that depend on position."""
     result = rates.jacobian(vector(state))
     for inputs, gradient in _OVER_POSITION:
         result[:, :3] += rates.jacobian(inputs) * gradient
@@ -243,9 +243,9 @@ def _overdamped_models() -> list[Module]:
 
 
 def _first_order_models() -> list[Module]:
-    """The expansion (4.11) solved to order epsilon, with its matched start and initial layer.
+    """Return the modules of (4.11) solved to order epsilon, with matched start and initial layer.
 
-    Of a uniform drag: one beta_v and one beta_w, at every place.
+    They require a uniform drag: one beta_v and one beta_w at every position.
     """
     rates = (
         *_named(sy.FORCE_RATE, ms.force_rate),
@@ -517,7 +517,7 @@ def _parts_of_light(
 
 
 def _with_rates(parts: Named) -> Named:
-    """1/(2 q) and the derivatives over S of named parts."""
+    """Return 1/(2 q) and the derivatives over S of named parts."""
     return (
         (sy.PER_COSINES, ray.per_cosines),
         *((sy.over_S(part), ray.rate_of_part(part.symbol, value)) for part, value in parts),
@@ -525,7 +525,7 @@ def _with_rates(parts: Named) -> Named:
 
 
 def _polarised(arguments: tuple[Argument, ...], cosines: Named) -> tuple[Function, ...]:
-    """What linearly or elliptically polarised light adds to light that is not."""
+    """Return functions for the difference that linear or elliptical polarisation makes."""
     u, n = _scalars(sy.RAY), _scalars(sy.IMPACT)
     radius = Argument("r", (sy.RADIUS,))
     cosine = Argument("cos_alpha", (sy.COS_ALPHA,))

@@ -74,10 +74,10 @@ EXPANSION = Equation("4.11", "orders of epsilon", r"0", leading_order + epsilon 
 
 # --- the thesis's split (4.12)-(4.16) ----------------------------------------------------------
 def scaled_balance() -> sp.Expr:
-    """(4.15), times beta/epsilon^0: what is left of (4.11) when the part a1 is dropped.
+    """Return (4.15) times beta/epsilon^0: (4.11) without the part a1.
 
-    With a1 + a2 = 1 the leading order is (a1 + a2) times itself (4.12); a1's part is taken to
-    cancel (4.13 to 4.14); T-derivatives are gathered back into t.
+    With a1 + a2 = 1 the leading order is (a1 + a2) times itself (4.12). The part of a1 is assumed
+    to cancel (4.13 to 4.14), and T-derivatives are collected into t.
     """
     split = sp.expand((a1 + a2) * leading_order).coeff(a1, 0)
     qdot, qddot, u = sp.symbols("qdot qddot u", real=True)
@@ -157,11 +157,11 @@ def first_order_angular_velocity(inertia: sp.MatrixBase) -> sp.Matrix:
 
 # --- the initial layer -----------------------------------------------------------------------
 def layer_solution() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
-    """x(s), its slow part, and the matched start, of x_ss + x_s = epsilon u in s = t/epsilon.
+    """Return x(s), its slow part, and the matched start, for x_ss + x_s = epsilon u, s = t/epsilon.
 
-    In the layer the force has no time to change, so the equation is linear and dsolve has it.
-    The slow part, what is left for s -> infinity, is x0 + epsilon (v0 - u) + u t, so the slow
-    model starts at x0 + epsilon (v0 - u(x0)).
+    In the layer the force has no time to change, so the equation is linear and `dsolve` solves it.
+    The slow part is the limit s -> infinity, x0 + epsilon (v0 - u) + u t, so the slow model starts
+    at x0 + epsilon (v0 - u(x0)).
     """
     s = sp.Symbol("s", positive=True)
     x0, v0, u = sp.symbols("x0 v0 u", real=True)
@@ -196,9 +196,9 @@ matched_position = sp.Matrix(
 
 
 def matched_euler_parameters(inertia: sp.MatrixBase) -> sp.Matrix:
-    """Start of the slow orientation: e + L^T theta/4, theta the angle turned in the layer.
+    """Return the start of the slow orientation, e + L^T theta/4 for the angle theta of the layer.
 
-    theta = (I/beta_w)(omega - M/beta_w), body frame, by the same layer as for the position.
+    theta = (I/beta_w)(omega - M/beta_w), body frame, follows from the same layer as the position.
     """
     tau_w = inertia / beta_w
     theta = sp.Matrix(
@@ -208,10 +208,10 @@ def matched_euler_parameters(inertia: sp.MatrixBase) -> sp.Matrix:
 
 
 def layer(inertia: sp.MatrixBase | None) -> sp.Matrix:
-    """What the layer still adds to the slow motion at time t.
+    """Return the difference between the motion in the layer and the slow motion at time t.
 
-    Displacement and velocity, and for a body with inertia the angle turned and angular
-    velocity in the body frame: the decaying part of `layer_solution`.
+    It is the decaying part of `layer_solution`: displacement and velocity. For a body with inertia
+    the angle turned and the angular velocity follow, in the body frame.
     """
     decay = sp.exp(-t / tau_v)
     velocity = (v - overdamped_velocity) * decay

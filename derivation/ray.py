@@ -3,20 +3,20 @@
 A ray of power P hits the sphere at the angle alpha and is refracted to beta. In the plane of
 incidence, with directions as complex numbers and the incident ray along 1, it leaves as
 
-* the reflected ray: power P R, direction exp(i (pi + 2 alpha)) mirrored, and
-* emergent rays n = 0, 1, ...: power P T^2 R^n, turned by alpha' + n beta' with
-  alpha' = 2 alpha - 2 beta and beta' = pi - 2 beta
+* the reflected ray, with the power P R and the direction exp(i (pi + 2 alpha)) mirrored, and
+* emergent rays n = 0, 1, ..., with the power P T^2 R^n. They are turned by alpha' + n beta', where
+  alpha' = 2 alpha - 2 beta and beta' = pi - 2 beta.
 
-(Ashkin, Biophys. J. 61, 569 (1992), and Roosen, Can. J. Phys. 57, 1260 (1979)). Q is the
-momentum the sphere takes, in units of n_m P/c: Q_sc along the ray, Q_gr across it.
+See Ashkin, Biophys. J. 61, 569 (1992), and Roosen, Can. J. Phys. 57, 1260 (1979). Q is the
+momentum that the sphere receives, in units of n_m P/c: Q_sc along the ray, Q_gr across it.
 
-The sign of the gradient force: (3.21) with the direction (3.23) repels for n_P > n_m. Here
-G = -Q_gr/sqrt(S), S = sin^2(alpha), so that the force on the sphere is
+The sign of the gradient force is corrected: (3.21) with the direction (3.23) repels for n_P > n_m.
+Here G = -Q_gr/sqrt(S), S = sin^2(alpha), so that the force on the sphere is
 
     F = (n_m P/c) (Q_sc u + G n/r),
 
-n the vector from the centre of the sphere to the nearest point of the ray's axis, |n| = r sqrt(S).
-Nothing is divided by |n|: the force is smooth through alpha = 0.
+where n is the vector from the centre of the sphere to the nearest point of the ray's axis, and
+|n| = r sqrt(S). Nothing is divided by |n|, so the force is smooth through alpha = 0.
 """
 
 from __future__ import annotations
@@ -98,10 +98,10 @@ Q_gr = (
 
 
 def absorbed_angular_momentum() -> sp.Expr:
-    """Torque on the sphere about its centre, in units of r sin(alpha) n_m P/c: zero.
+    """Return the torque on the sphere about its centre, in units of r sin(alpha) n_m P/c: zero.
 
     The incident ray passes the centre at r sin(alpha), and every emergent ray leaves at the
-    angle alpha to the normal, so at the same distance and turning the same way. What is left
+    angle alpha to the normal, so at the same distance and turning the same way. The difference
     is 1 minus the power that leaves, R + T^2/(1 - R), which is 1 for T = 1 - R.
     """
     leaving = R_i + T_i**2 * sp.summation(R_i**_order, (_order, 0, sp.oo)).args[0].expr
@@ -160,10 +160,10 @@ AVERAGED_PARTS: dict[sp.Symbol, sp.Expr] = {
 
 @dataclass(frozen=True)
 class Light:
-    """What the efficiencies are made of: sums over polarisations, and their common factor.
+    """Terms of the efficiencies: sums over polarisations, and their common factor.
 
-    For one polarisation zeroth, first, second = 1, X, X^2 and scale = 4 mu^2/denominator(X). Others
-    are brought to one fraction, as divisions are what a ray costs most.
+    For one polarisation zeroth, first, second = 1, X, X^2 and scale = 4 mu^2/denominator(X). Other
+    light is brought to one fraction, because divisions are the largest cost of a ray.
     """
 
     zeroth: sp.Expr
@@ -304,9 +304,9 @@ Qs, dQs, G, dG = vector((SCATTERING, SCATTERING_RATE, GRADIENT, GRADIENT_RATE))
 #: force in units of n_m P/c (3.24)
 force = Qs * u + G * n / r
 
-#: the same by p/r: with s = u.p/r the ray passes the centre at n/r = s u - p/r, so that S is
-#: |p/r|^2 - s^2, and the force is (Q_sc + s G) u - G p/r, whose second term has one direction for
-#: all rays
+#: S and the force by p/r instead of n/r. With s = u.p/r the ray passes the centre at n/r = s u -
+#: p/r, so that S is |p/r|^2 - s^2. The force is (Q_sc + s G) u - G p/r, whose second term has the
+#: same direction for all rays
 place, s = sp.Matrix(vector(PLACE)), ALONG_RAY.symbol
 along_ray = (u.T * place)[0]
 S_by_place = (place.T * place)[0] - s**2

@@ -213,7 +213,7 @@ def _named(table: tuple[tuple[str, str, str], ...]) -> tuple[Quantity, ...]:
 
 
 def over_S(quantity: Quantity) -> Quantity:
-    """Its derivative over S."""
+    """Return the derivative of a quantity over S."""
     meaning = f"derivative over S of the {quantity.meaning}"
     return _quantity(f"d{quantity.name}", quantity.unit, meaning, quantity.equation)
 
@@ -289,7 +289,7 @@ LOWERED_DOWN = _quantity("em_down", "1", "<n m|s_+|n+1 m-1>")
 LIFT = _quantity("lift", "1", "sqrt((n-m)(n+m+1)), of J_+ from m to m+1")
 LIFT_DOWN = _quantity("lift_down", "1", "sqrt((n+m)(n-m+1)), of J_+ from m-1 to m")
 
-# What each neighbour adds to s_+ P, s_- P and s_z P at (n, m); their sums; the same weighted.
+# Contribution of each neighbour to s_+ P, s_- P and s_z P at (n, m); their sums; the weighted sums.
 NEIGHBOURS = {
     (component, place): _complex(f"{component}_{place}", f"what {where} adds to s_{component} P")
     for component in ("plus", "minus", "z")

@@ -1,20 +1,21 @@
 """A sphere beside a plane wall: its mobilities by smooth factors, and the plane of its gap.
 
-Lengths in radii, mobilities over those far away. With s = 1/(1 + g) of the gap g, the mobilities
-are made of factors that are smooth from contact to infinity, so that values and derivatives keep
-their digits at both ends; `derivation.wall_coefficients` has their series over w = ln(1 + 2/g).
+Lengths are in radii, and mobilities relative to those far away. Let g be the gap and
+s = 1/(1 + g). The mobilities are products of factors that are smooth from contact to infinity, so
+values and derivatives keep their digits at both ends. `derivation.wall_coefficients` computes their
+series over w = ln(1 + 2/g).
 
 Brownian motion away from the wall, with kT = 1 and in units of a and of a^2/D far away,
 
     dg = mu F dt + mu' dt + sqrt(2 mu) dB,
 
-needs a drift mu' that fails near contact and a rule for contact itself. Lubrication makes mu
-proportional to g there, and so g the squared radius of a Brownian motion in a plane. For any mu,
+requires a drift mu' that fails near contact and a rule for contact itself. Lubrication makes mu
+proportional to g there, so g is the squared radius of a Brownian motion in a plane. For any mu,
 
     dW = (S F/2 + T) W dt + dB,    r = |W|,    g = g(r) with dg/dr = sqrt(2 mu),
     S = sqrt(2 mu)/r,    T = (mu'/sqrt(2 mu) - 1/r)/(2 r),
 
-has additive noise, and nothing in it is singular but the logarithm of lubrication in T.
+has additive noise, and its only singularity is the logarithm of lubrication in T.
 """
 
 from __future__ import annotations
@@ -121,23 +122,23 @@ GAP = Equation(
 )
 
 # --- with inertia --------------------------------------------------------------------------------
-#: step, relaxation time m mu of its begin, and e^(-h/tau)
+#: step, its initial relaxation time m mu, and e^(-h/tau)
 h, tau = STEP.symbol, RELAXATION.symbol
 E = sp.Symbol("E", positive=True)
-#: <(x - x_0) v> over kT mu of a free bead, whose velocity is Maxwell's at the begin: half the rate
-#: of its mean squared displacement
+#: <(x - x_0) v> over kT mu for a free bead with Maxwell's initial velocity: half the rate of its
+#: mean squared displacement
 CORRELATION = 1 - E
-#: An exact step with the mobility of its begin misses, in the means of x and v, what is of first
-#: order in mu'. dv = -(v/tau) (1 - (mu'/mu) (x - x_0)) dt + ... drives them by <(x - x_0) v>; over
-#: the drift kT mu':
+#: An exact step with the initial mobility omits terms of first order in mu' from the means of x and
+#: v. The equation dv = -(v/tau) (1 - (mu'/mu) (x - x_0)) dt + ... drives them by <(x - x_0) v>.
+#: Here they are divided by the drift kT mu'
 CHANGE_OF_PLACE = h - 2 * tau * (1 - E) + h * E
 CHANGE_OF_VELOCITY = 1 - E - h * E / tau
-#: The noise of the place has the variance 2 kT mu h', and the drift of h' is that of the plane
+#: The noise of the position has the variance 2 kT mu h'; the plane causes the drift in the time h'
 SPREADING = h - 2 * tau * (1 - E) + tau * (1 - E**2) / 2
 
 
 def over_time(expression: sp.Expr) -> sp.Expr:
-    """d/dh of an expression of h and E."""
+    """Return d/dh of an expression of h and E."""
     return expression.diff(h) - E / tau * expression.diff(E)
 
 
@@ -147,7 +148,7 @@ TERMS = 10
 
 
 def tables(series: Series) -> dict[str, Any]:
-    """All that `templates/wall.py.jinja` has names for."""
+    """Return all values that `templates/wall.py.jinja` uses, by name."""
     return {
         "contact": float(wc.CONTACT),
         "touching": float(wc.spin_at_contact()),
@@ -220,13 +221,13 @@ def _slope(series: list[float], x: float) -> float:
 
 
 def _upward(value: float) -> float:
-    """Two digits, never less than `value`."""
+    """Return a number of two digits that is not less than `value`."""
     unit = 10.0 ** (math.floor(math.log10(value)) - 1)
     return float(f"{math.ceil(value / unit * 1.01) * unit:.1e}")
 
 
 def _names() -> dict[str, dict[str, list[str]]]:
-    """Of each factor where its powers stand in a row, and those of its derivative."""
+    """Return the entries of a row with the powers of each factor, and those of its derivative."""
     n, found = len(FACTORS), {}
     for at, factor in enumerate(FACTORS):
         powers = [f"c[{n * power + at}]" for power in range(TERMS)]
@@ -236,13 +237,13 @@ def _names() -> dict[str, dict[str, list[str]]]:
 
 
 def _row(piece: list[list[float]]) -> tuple[float, ...]:
-    """The powers of a piece: of each power all factors."""
+    """Return the powers of a piece: all factors for each power."""
     by_factor = [_powers([Fraction(c) for c in series[:TERMS]]) for series in piece]
     return tuple(float(by[power]) for power in range(TERMS) for by in by_factor)
 
 
 def _powers(series: list[Fraction]) -> list[Fraction]:
-    """A Chebyshev series by powers, exactly."""
+    """Convert a Chebyshev series to powers, exactly."""
     whole = [Fraction(0)] * len(series)
     for degree, coefficient in enumerate(series):
         for power, factor in enumerate(_chebyshev(degree)):

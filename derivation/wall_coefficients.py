@@ -1,22 +1,23 @@
-"""Series of the mobilities beside a wall: `python -m derivation.wall_coefficients` makes them.
+"""Series of the mobilities beside a wall, which `python -m derivation.wall_coefficients` computes.
 
-A sphere of radius a, its surface a gap of g radii from a plane; cosh(al) = 1 + g. Its resistances
-are exact series in bispherical coordinates: H. Brenner, Chem. Eng. Sci. 16, 242 (1961), away from
-the plane; G. B. Jeffery, Proc. London Math. Soc. 14, 327 (1915), spinning about the normal;
-M. E. O'Neill, Mathematika 11, 67 (1964), and W. R. Dean and M. E. O'Neill, Mathematika 10, 13
-(1963), along the plane and turning. With W in the sense in which a ball rolls,
+The surface of a sphere of radius a is g radii from a plane, and cosh(al) = 1 + g. Its resistances
+are exact series in bispherical coordinates. The series away from the plane is by H. Brenner (Chem.
+Eng. Sci. 16, 242 (1961)). Spinning about the normal is by G. B. Jeffery (Proc. London Math. Soc.
+14, 327 (1915)). Motion along the plane and turning are by M. E. O'Neill (Mathematika 11, 67
+(1964)) and by W. R. Dean and M. E. O'Neill (Mathematika 10, 13 (1963)). With W in the sense in
+which a ball rolls,
 
     F = -6 pi eta a (F_t U - F_r a W),    T = 8 pi eta a^2 (T_t U - T_r a W).
 
-They are summed here with 42 digits, of which cancellation takes ten at a gap of 1e-5. The smooth
-factors of the mobilities (`derivation.wall`) become Chebyshev series over w = ln(1 + 2/g) on
-pieces of one length. In g the series have singularities on [-2, 0] alone, which is |Im w| = pi.
+They are summed here with 42 digits, of which ten cancel at a gap of 1e-5. The smooth factors of the
+mobilities (`derivation.wall`) become Chebyshev series over w = ln(1 + 2/g) on pieces of equal
+length. In g the series are singular only on [-2, 0], which is |Im w| = pi.
 
-Then the plane whose squared radius is the gap: r(g) = int_0^g dg/sqrt(2 mu), over ln of a
-function near to g.
+The last part is the plane whose squared radius is the gap: r(g) = int_0^g dg/sqrt(2 mu), over ln of
+a function close to g.
 
-What this makes takes minutes and is data: `wall_coefficients.json` is committed, and emitted in
-`generated/wall.py`.
+The computation takes minutes, so its result is data: `wall_coefficients.json` is committed, and
+emitted in `generated/wall.py`.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from mpmath import mp, mpf
 
 #: the committed coefficients
 DATA = Path(__file__).with_suffix(".json")
-#: Digits of what is summed
+#: Digits of the sums
 DIGITS = 42
 #: Series are summed until their terms have fallen by exp(-DECAY)
 DECAY = 85
@@ -47,7 +48,7 @@ Series = list[list[list[float]]]
 
 
 class Mobilities(NamedTuple):
-    """Of a bead that nothing but one force or one moment acts on, over those far away."""
+    """Mobilities of a bead under a single force or moment, over those far away."""
 
     perpendicular: Any
     parallel: Any
@@ -58,7 +59,7 @@ class Mobilities(NamedTuple):
 
 
 class Resistances(NamedTuple):
-    """Of motion along the wall and of turning, as above; and of the other two."""
+    """Resistances to motion across the wall, spinning, motion along the wall and turning."""
 
     perpendicular: Any
     spin: Any
@@ -68,7 +69,7 @@ class Resistances(NamedTuple):
     moment_by_turning: Any
 
     def mobilities(self) -> Mobilities:
-        """Their inverse."""
+        """Return the mobilities, the inverse of these resistances."""
         F_t, T_t, F_r, T_r = self[2:]
         determinant = F_t * T_r - F_r * T_t
         return Mobilities(

@@ -6,14 +6,15 @@ s, so that the force is
 
     F = -(n_m/c) (<q|s|q> - <p|s|p>),    M = -(1/omega) (<q|J|q> - <p|J|p>).
 
-The sphere's S is diagonal in the electric and the magnetic part of each (n, m), with 1 - 2 a_n and
-1 - 2 b_n (Bohren and Huffman, Absorption and Scattering of Light by Small Particles, chapter 4;
-layers: Yang, Appl. Opt. 42, 1710 (2003)). The direction s is a vector operator, and
-so joins n to n-1, n and n+1 alone: five elements follow from its algebra with J. It turns with the
-helicity within n and does not depend on it between n and n+1: there it keeps electric and magnetic
-parts, and within n it exchanges them.
+The sphere's matrix S is diagonal in the electric and the magnetic part of each (n, m), with the
+elements 1 - 2 a_n and 1 - 2 b_n. See Bohren and Huffman, Absorption and Scattering of Light by
+Small Particles, chapter 4, and for layers Yang, Appl. Opt. 42, 1710 (2003). The direction s is a
+vector operator, so it couples n to n-1, n and n+1 alone. Five elements follow from its algebra with
+J. Within n it changes its sign with the helicity, and exchanges electric and magnetic parts.
+Between n and n+1 it does not depend on the helicity, and keeps the parts.
 
-Conventions: exp(-i omega t); exp(i k s.r) moves the bead by r; amplitudes p_nm = 2 pi i^m P_nm.
+The conventions are exp(-i omega t) and amplitudes p_nm = 2 pi i^m P_nm. The factor exp(i k s.r)
+moves the bead by r.
 """
 
 from __future__ import annotations
@@ -37,9 +38,9 @@ Element = dict[tuple[str, int], sp.Expr]
 
 
 def direction(n: sp.Expr, m: sp.Expr, c: Callable[[sp.Expr], sp.Expr], d: sp.Expr) -> Element:
-    """Elements of s_z, s_+ and s_- from (n, m) to n - 1, n and n + 1.
+    """Return the elements of s_z, s_+ and s_- from (n, m) to n - 1, n and n + 1.
 
-    The commutators [J_i, s_j] = i eps_ijk s_k leave these forms, with c(n) and d to be found.
+    The commutators [J_i, s_j] = i eps_ijk s_k fix these forms except for c(n) and d.
     """
     j, k = n - m, n + m
     return {
@@ -60,7 +61,7 @@ _to_neighbours = direction(n, m, c_of, d_n)
 
 
 def _mean(by_direction: dict[str, sp.Expr]) -> sp.Expr:
-    """x x + y y + z z from z z, + - and - +."""
+    """Return x x + y y + z z from z z, + - and - +."""
     return sp.expand(by_direction["z"] + (by_direction["+"] + by_direction["-"]) / 2)
 
 
@@ -76,14 +77,14 @@ LENGTH = _mean(
 )
 #: s.J = l
 within_scale = sp.factor(sp.solve(HELICITY - l, d_n)[0])
-#: s.s = 1 is v(n) + v(n+1) = 2 n + 1 with n v(n) = l^2 + c(n)^2 n^2 (4 n^2 - 1); as c vanishes at
-#: n = l, the lowest degree, v(l) = l, and the solution that alternates in sign is absent
+#: s.s = 1 is v(n) + v(n+1) = 2 n + 1 with n v(n) = l^2 + c(n)^2 n^2 (4 n^2 - 1). At the lowest
+#: degree n = l, c vanishes and v(l) = l, so the solution that alternates in sign is absent
 _alternating = sp.Symbol("C0")
 _v_of_n = sp.rsolve(_v(n) + _v(n + 1) - (2 * n + 1), _v(n)).subs(_alternating, 0)
 
 
 def between_scale_squared(degree: sp.Expr) -> sp.Expr:
-    """c(n)^2."""
+    """Return c(n)^2 at `degree`."""
     value = (n * _v_of_n - l**2) / (n**2 * (2 * n - 1) * (2 * n + 1))
     return sp.factor(value.subs(n, degree))
 
@@ -110,15 +111,16 @@ g_psi, g_chi = (quantity.symbol for quantity in sy.OUTER_DERIVATIVES)
 ratio = sy.OUTER_RATIO.symbol
 g_psi_in, g_chi_in, g_psi_out, g_chi_out = (quantity.symbol for quantity in sy.LAYER_DERIVATIVES)
 
-# A wave of degree n is f(z), z = m k r, with f a sum of two Riccati-Bessel functions. m f and f'
-# are continuous for electric waves, f and m f' for magnetic waves.
+# A wave of degree n is f(z), z = m k r, with f a sum of two Riccati-Bessel functions. Electric
+# waves have continuous m f and f', and magnetic waves continuous f and m f'.
+
 #: psi_n, psi_n', chi_n and chi_n' at x, and psi_n and psi_n' at m x
 psi, dpsi, chi, dchi = sp.symbols(r"{\psi_n} {\psi_n'} {\chi_n} {\chi_n'}", real=True)
 psi_inside, dpsi_inside = sp.symbols(r"{\psi_n(mx)} {\psi_n'(mx)}", complex=True)
 
 
 def mie_coefficient(*, electric: bool) -> sp.Expr:
-    """a_n or b_n, for psi_n - a_n xi_n outside and a multiple of psi_n inside."""
+    """Return a_n or b_n, for psi_n - a_n xi_n outside and a multiple of psi_n inside."""
     coefficient, inside = sp.symbols("a d")
     f = psi - coefficient * (psi - sp.I * chi)
     df = dpsi - coefficient * (dpsi - sp.I * dchi)
@@ -130,9 +132,10 @@ def mie_coefficient(*, electric: bool) -> sp.Expr:
     return sp.factor(sp.solve(continuity, (coefficient, inside))[coefficient])
 
 
-# What is carried from the core outwards is g = z f'/f - (n+1), the reduced logarithmic derivative:
-# for psi_n of a small z it is -z^2/(2n+3), of which a difference loses no digits.
-#: g of electric waves outside of a surface, from g inside; that of magnetic waves is continuous
+# The reduced logarithmic derivative g = z f'/f - (n+1) is carried from the core outwards. For psi_n
+# at a small z it is -z^2/(2n+3), which keeps its digits in a difference.
+
+#: g of electric waves outside a surface, from g inside; g of magnetic waves is continuous
 electric_across = (
     (index - inner_index) * (index + inner_index) * (n + 1) + index**2 * g
 ) / inner_index**2
@@ -170,17 +173,17 @@ class Pair:
 
     @property
     def conjugate(self) -> Pair:
-        """The complex conjugate."""
+        """Complex conjugate."""
         return Pair(self.re, -self.im)
 
     @property
     def value(self) -> sp.Expr:
-        """As one complex number."""
+        """Complex number as one expression."""
         return self.re + sp.I * self.im
 
 
 def pair(quantities: tuple[Quantity, Quantity]) -> Pair:
-    """The complex number of these symbols."""
+    """Return the complex number of two symbols, its real and imaginary part."""
     real, imaginary = quantities
     return Pair(real.symbol, imaginary.symbol)
 
@@ -223,8 +226,9 @@ lift, lift_down = sy.LIFT.symbol, sy.LIFT_DOWN.symbol
 #: a float, as the printer writes a fraction with a division
 _HALF = sp.Float(0.5)
 
-# Each pair of neighbours once. The element of s_- from m+1 is that of s_+ to m+1, and i^m taken out
-# of the amplitudes leaves i: F_x + i F_y = -(sum P* h_-)*, h_- = i (e1 U* up_above + ...).
+# Each pair of neighbours is counted once. The element of s_- from m+1 equals the one of s_+ to m+1.
+# The factor i^m of the amplitudes leaves i: F_x + i F_y = -(sum P* h_-)*, where
+# h_- = i (e1 U* up_above + ...).
 _G, _G_before, _H = pair(sy.SENT_ON), pair(sy.SENT_BACK), pair(sy.TURNED_OVER)
 FORCE_PARTS = _named(
     (sy.SENT_ON, U * P),
@@ -234,7 +238,7 @@ FORCE_PARTS = _named(
 
 
 def _across(part_of_product: Callable[[Pair, Pair], sp.Expr]) -> sp.Expr:
-    """A part of sum e (weighted amplitude)* (amplitude at m+1)."""
+    """Return a part of sum e (weighted amplitude)* (amplitude at m+1)."""
     return (
         e1 * part_of_product(_G, up_above)
         + em * part_of_product(_G_before, up_before)
@@ -250,7 +254,7 @@ FORCE = sp.Matrix(
     ]
 )
 
-# The direction at (n, m): what comes from each neighbour, and the same weighted.
+# The direction at (n, m): contributions of the neighbours, and the same with weights.
 _ADDED = {
     ("plus", "before"): e1_down * down_before,
     ("plus", "within"): e0_down * partner_down,
@@ -271,13 +275,13 @@ def _from_neighbours(component: str) -> Iterator[Pair]:
 
 
 def _directed(component: str) -> Pair:
-    """s_+ P over -i, s_- P over i, or s_z P, at (n, m)."""
+    """Return s_+ P over -i, s_- P over i, or s_z P, at (n, m)."""
     from_before, from_within, from_above = _from_neighbours(component)
     return from_before + from_within + from_above
 
 
 def _weighted(component: str) -> Pair:
-    """The same with the weights of the change of momentum."""
+    """Return `_directed` with the weights of the change of momentum."""
     from_before, from_within, from_above = _from_neighbours(component)
     return U_before * from_before + V * from_within + U.conjugate * from_above
 
