@@ -304,12 +304,12 @@ def with_names(index: str) -> str:
     package = griffe.load("tweezer", search_paths=[ROOT], allow_inspection=False)
 
     def names(heading: re.Match[str]) -> str:
-        lines = [heading[0], "", "| name | description |", "| --- | --- |"]
+        lines = [heading[0], ""]
         text = (ROOT / "docs/api" / heading[1]).read_text(encoding="utf-8")
         for name in re.findall(r"^::: tweezer\.(\S+)$", text, re.MULTILINE):
             docstring = package[name].docstring
             first = re.split(r"(?<=\.)\s", docstring.value if docstring else "", maxsplit=1)[0]
-            lines.append(f"| [`{name}`][tweezer.{name}] | {_cell(first)} |")
+            lines.append(f"- [`{name}`][tweezer.{name}]: {' '.join(first.split())}")
         return "\n".join(lines)
 
     return re.sub(r"^## \[.*\]\((\w+\.md)\)$", names, index, flags=re.MULTILINE)

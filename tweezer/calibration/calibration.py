@@ -256,6 +256,13 @@ def in_metres(recording: Recording, calibration: Calibration) -> Recording:
     """Return the recording as it was calibrated: in metres, without drift and excluded bands.
 
     Responses of the bead to a drive are removed, too.
+
+    Parameters
+    ----------
+    recording : Recording
+        Recording that was calibrated.
+    calibration : Calibration
+        Its calibration.
     """
     moved = None if recording.drive is None else Drive.of(recording.drive, recording.step)
     columns = [

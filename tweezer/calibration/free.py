@@ -178,7 +178,7 @@ class Diffusion(Result):
         return self.inferred is not None or self.expected is not None
 
     def card(self) -> Card:
-        """Card with the diffusion, the quantities that follow from it, and the findings."""
+        """Return the card with the diffusion, the derived quantities and the findings."""
         low, high = self.interval
         unit = "m^2/s" if self._metric else "in the square of the record's unit per second"
         told = with_uncertainty(self.diffusion, self.uncertainty)

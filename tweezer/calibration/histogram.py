@@ -72,7 +72,9 @@ class Potential(Result):
             yield MINIMUM(self.minimum)
 
     def card(self) -> Card:
-        """Card with the number and range of the bins, the highest energy and the trap stiffness."""
+        """Return the card with the number and range of the bins, the highest energy and the trap
+        stiffness.
+        """
         low, high = self.coordinates[[0, -1]]
         bottom = self.numbers.get(BOTTOM.name)
         rows = (

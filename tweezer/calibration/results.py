@@ -106,11 +106,13 @@ class AxisCalibration(Result):
     QUANTITIES: ClassVar = (*QUANTITIES, DRAG, SENSITIVITY, FORCE_SENSITIVITY)
 
     axis: str
+    """"x", "y" or "z\""""
     centre: float
     """mean position, m"""
     findings: tuple[Finding, ...]
     """findings about the record, which apply to every estimate"""
     estimates: tuple[Estimate, ...]
+    """stiffness by each method; `axis["power spectrum"]` returns one by its name"""
     fit: SpectrumFit
     """fit with the given drag; the same as `free_fit` if no drag was given"""
     free_fit: SpectrumFit
@@ -188,7 +190,12 @@ class AxisCalibration(Result):
     def lines(self, unit: str, notes: Sequence[str]) -> Iterator[str]:
         """Yield lines on the results other than the stiffness: spectrum, detector, drive, remarks.
 
-        `unit` is the unit of the recording. The lines refer to `notes` by number.
+        Parameters
+        ----------
+        unit : str
+            Unit of the recording.
+        notes : sequence of str
+            Findings, to which the lines refer by number.
         """
         numbers, fit = self.numbers, self.free_fit
         against = list(filter(None, [_mark(self.findings, notes)]))
@@ -323,7 +330,9 @@ class Calibration(Result):
         return {"outcome": outcome, "caveat": "; ".join(caveats)}
 
     def card(self) -> Card:
-        """Card with the first trusted stiffness of each axis, the inputs, and tables of all."""
+        """Return the card with the first trusted stiffness of each axis, the inputs, and tables of
+        all.
+        """
         trapped, rows = self.trapped, []
         for axis in self.axes:
             if axis not in trapped:

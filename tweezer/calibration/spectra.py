@@ -42,13 +42,36 @@ _EQUAL = 1e-6
 
 
 def power_spectrum(positions: Array, step: float, segments: int = 1) -> tuple[Array, Array]:
-    """Return frequencies, Hz, and the one-sided power spectral density, m^2/Hz, of a record.
+    """Return frequencies, Hz, and the one-sided power spectral density, m^2/Hz, of a recording.
 
-    `positions` (n,), m, are sampled every `step`, s. The frequencies are the Fourier frequencies
-    between 0 and Nyquist's, both excluded. The density is the periodogram averaged over `segments`
-    equal parts without overlap, each minus its mean (Bartlett's method). For a series much longer
-    than its correlation time, the ratio of each value to its expectation is an independent
-    Gamma(segments)/segments.
+    The frequencies are the Fourier frequencies between 0 and Nyquist's, both excluded. For a series
+    much longer than its correlation time, the ratio of each value to its expectation is an
+    independent Gamma(segments)/segments.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n,)
+        Positions, m.
+    step : float
+        Sampling interval, s.
+    segments : int, optional
+        Number of equal parts without overlap, each minus its mean, over which the periodogram is
+        averaged (Bartlett's method).
+
+    Returns
+    -------
+    frequencies : ndarray
+        Frequencies, Hz.
+    density : ndarray
+        Power spectral density, m^2/Hz.
+
+    Examples
+    --------
+    >>> from tweezer.calibration import power_spectrum
+    >>> positions = 1e-8 * np.random.default_rng(1).normal(size=1000)
+    >>> frequencies, density = power_spectrum(positions, step=1e-3)
+    >>> bool(0.9 < 500 * density.mean() / positions.var() < 1.1)  # their integral is the variance
+    True
     """
     from scipy.fft import rfft
 
@@ -150,9 +173,14 @@ def statistical_inefficiency(series: Array) -> float:
 
 
 def standard_error(series: Array) -> float:
-    """Return the standard error of the mean of a correlated `series` (n,).
+    """Return the standard error of the mean of a correlated series.
 
     It follows from the statistical inefficiency, the number of samples per independent sample.
+
+    Parameters
+    ----------
+    series : ndarray, shape (n,)
+        The series.
     """
     return math.sqrt(np.var(series) * statistical_inefficiency(series) / len(series))
 

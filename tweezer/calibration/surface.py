@@ -72,7 +72,9 @@ class Surface(Result):
         yield FAR_DRAG(self.drag, self.drag_uncertainty)
 
     def card(self) -> Card:
-        """Card with wall position, focal shift, drag and p-value, and a table of heights."""
+        """Return the card with wall position, focal shift, drag and p-value, and a table of
+        heights.
+        """
         wall, shift, drag = self.quantities()
         rows = [wall.row(), shift.row()._replace(value=f"{shift.words} of that"), drag.row()]
         if self.p_value is not None:

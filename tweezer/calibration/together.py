@@ -21,6 +21,7 @@ class Together:
     """Weighted mean of one quantity along one axis, over several recordings."""
 
     axis: str
+    """"x", "y" or "z\""""
     quantity: str
     """"stiffness" (N/m), "drag" (kg/s) or "sensitivity" (m/V)"""
     mean: float | None
@@ -53,9 +54,17 @@ _QUANTITIES = (STIFFNESS, DRAG, SENSITIVITY)
 def together(calibrations: Sequence[Calibration]) -> tuple[Together, ...]:
     """Combine the calibrations of several recordings of one trap, axis by axis.
 
-    The result contains the weighted mean of each quantity from the fits of the spectra, over the
-    recordings without findings. If the values differ by more than their uncertainties, it contains
-    a finding instead of the mean.
+    Parameters
+    ----------
+    calibrations : sequence of Calibration
+        Calibrations of the recordings.
+
+    Returns
+    -------
+    tuple of Together
+        Weighted mean of each quantity from the fits of the spectra, over the recordings without
+        findings. If the values differ by more than their uncertainties, it contains a finding
+        instead of the mean.
     """
     axes = dict.fromkeys(axis.axis for each in calibrations for axis in each.axes)
     return tuple(

@@ -78,7 +78,7 @@ class Trajectory(Shown):
         return dataclasses.replace(self, positions=self.positions[first:])
 
     def card(self) -> Card:
-        """Card with the number of frames and their rate."""
+        """Return the card with the number of frames and their rate."""
         rows = (
             Row("frames", f"{len(self.positions)}, {self.frames} of them with a position"),
             Row("rate", f"{1 / self.step:.5g} Hz"),

@@ -36,7 +36,7 @@ class EscapeTimes(Shown):
     they do not exist"""
 
     def card(self) -> Card:
-        """Return a card with the number of escapes, their mean time and the test of the rate."""
+        """Return the card with the number of escapes, their mean time and the test of the rate."""
         low, high = self.interval
         mean = "not known" if self.mean is None else f"{self.mean:.4g} s"
         told = f"above {low:.3g} s" if high is None else f"{low:.3g} to {high:.3g} s"

@@ -164,7 +164,7 @@ class DepthFit(Shown):
     """filtered track at the best fit; None if loaded from a file of `tweezer fit-depth --out`"""
 
     def card(self) -> Card:
-        """Card with the initial z, its interval, other minima, parameters and residuals."""
+        """Return the card with initial z, its interval, other minima, parameters and residuals."""
         doubt = "" if self.determined else "not determined"
         pieces = ", ".join(map(_range, self.intervals))
         others = ", ".join(

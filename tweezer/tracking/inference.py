@@ -113,7 +113,7 @@ class SceneFit(Shown):
         return next(each for each in self.keys if each.key == key)
 
     def card(self) -> Card:
-        """Card with a row for each key, the p-value of the residuals, and the light."""
+        """Return the card with a row for each key, the p-value of the residuals, and the light."""
         rows = [Row(each.key, *each.told) for each in self.keys]
         unlikely = self.p_value < REFUTED
         rows += [

@@ -66,7 +66,7 @@ class Lifetime(Shown):
     """distance from the focus at which the bead is lost, m"""
 
     def card(self) -> Card:
-        """Card with the mean time, and the distance at which the bead is lost."""
+        """Return the card with the mean time, and the distance at which the bead is lost."""
         far = Row("lost at", f"{micrometres(self.lost_at)} um from the focus")
         return Card("Lifetime", "", (Row("held for", self.told), far))
 

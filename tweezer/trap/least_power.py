@@ -43,7 +43,7 @@ class LeastPower(Shown):
     weight: the lifetime is then longer than was asked for"""
 
     def card(self) -> Card:
-        """Card with the minimum power, and the lifetimes with and without light."""
+        """Return the card with the minimum power, and the lifetimes with and without light."""
         factor, unit = usual_unit(self.power, "W")
         power = f"{with_uncertainty(self.power / factor, self.error / factor)} {unit}"
         below = "below it there is no equilibrium" if self.no_trap_below else ""

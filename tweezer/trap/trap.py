@@ -306,7 +306,8 @@ class Trap(Comparable, Result):
         return {"outcome": outcome, "reason": reason, "caveat": "; ".join(filter(None, caveats))}
 
     def card(self) -> Card:
-        """Card with equilibrium, stiffness, lifetime and efficiencies, and a table of escapes.
+        """Return the card with equilibrium, stiffness, lifetime and efficiencies, and a table of
+        escapes.
 
         It contains the lifetime only if that was computed before, as this takes a while.
         """
