@@ -83,7 +83,7 @@ def drawn():
     axes.set(xlabel="lag (µs)", ylabel="v (m/s)")
     style.legend_above(axes, 3)
     style.add_title(figure, r"a name without end " * 6 + r"\$\frac", "and how")
-    style.add_note(figure, "what a reader must know, " * 8)
+    style.add_notes(figure, ["what a reader must know, " * 8, "", "0.5 um"])
     return figure
 
 

@@ -440,9 +440,24 @@ def test_command_on_a_run(command_line, run):
     )  # fmt: skip
 
 
-def test_figure_of_one_axis_and_of_an_untrusted_record(positions):
-    few = Recording(STEP * np.arange(150), positions[:150, :1], ("x",), name="mine")
-    figure = calibration_figure(few, tweezer.calibrate(few, temperature=T))
+def test_figure_of_one_axis(positions):
+    one = Recording(STEP * np.arange(len(positions)), positions[:, :1], ("x",), name="mine")
+    figure = calibration_figure(one, tweezer.calibrate(one, temperature=T))
     drawn = {axes.get_title() for axes in figure.axes}
     assert {"trajectory", "mean squared displacement", "potential, from the histogram"} <= drawn
+    readable.check(figure)
+    (residuals,) = (axes for axes in figure.axes if axes.get_ylabel() == "data / fit")
+    ratios = residuals.containers[0].lines[0].get_ydata()
+    assert np.median(ratios) == pytest.approx(1, abs=0.15)
+    (spectrum,) = (axes for axes in figure.axes if axes.get_ylabel() == "density (m²/Hz)")
+    at, density = spectrum.containers[0].lines[0].get_data()
+    (curve,) = (line for line in spectrum.lines if line.get_label().startswith("x: "))
+    fit = np.exp(np.interp(np.log(at), np.log(curve.get_xdata()), np.log(curve.get_ydata())))
+    np.testing.assert_allclose(ratios, density / fit, rtol=0.01)
+
+
+def test_figure_of_a_record_too_short_to_show_a_trap(positions):
+    few = Recording(STEP * np.arange(150), positions[:150, :1], ("x",), name="mine")
+    figure = calibration_figure(few, tweezer.calibrate(few, temperature=T))
+    assert figure.get_suptitle() == "Diffusion of mine"
     readable.check(figure)

@@ -365,8 +365,11 @@ def test_figures(whole):
     (panel,) = (
         axes
         for axes in drawn
-        if axes.get_title().startswith("stiffness") and axes.get_title().endswith("x (pN/µm)")
+        if axes.get_title().startswith("stiffness") and axes.get_title().endswith(", x")
     )
+    assert panel.get_ylabel() == "stiffness (pN/µm)"
+    assert panel.get_xlabel() == "bead diameter (µm)"
+    assert "cross" not in drawn[0].figure.get_supxlabel()  # none of them is lost
     curves = [bars.lines[0].get_ydata() for bars in panel.containers]
     assert np.allclose(curves, 1e6 * family["stiffness"].sel(axis="x").values, rtol=1e-12)
     assert [text.get_text() for text in drawn[0].get_legend().get_texts()] == ["5 mW", "50 mW"]
@@ -384,7 +387,7 @@ def test_figures(whole):
     (panel,) = (
         axes
         for axes in drawn
-        if axes.get_title().startswith("stiffness") and axes.get_title().endswith("x (pN/µm)")
+        if axes.get_title().startswith("stiffness") and axes.get_title().endswith(", x")
     )
     (mesh,) = (each for each in panel.collections if isinstance(each, QuadMesh))
     k = wide["stiffness"].sel(axis="x").transpose("beam.power_through_pupil", "bead.diameter")

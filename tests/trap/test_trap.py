@@ -538,7 +538,9 @@ def test_figure_shows_the_bead_where_it_is_trapped():
     curve = axial.lines[2].get_xydata()
     expected = tweezer.optical_force(scene, [0, 0, curve[100, 0] * 1e-6])[2] + weight(scene)
     assert curve[100, 1] == pytest.approx(expected * 1e12, rel=1e-9)
-    assert typeset(trap.caveat)[1:] in figure.texts[-1].get_text().replace("\n", " ")
+    note = figure.get_supxlabel().replace("\n", " ")
+    assert typeset(trap.caveat)[1:] in note
+    assert "Red lines: edges of the cone of light." in note
     readable.check(figure)
 
 

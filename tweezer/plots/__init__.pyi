@@ -1,8 +1,10 @@
 from .calibration import calibration_figure, draw_calibration
 from .depth import depth_figure
+from .ensemble import ensemble_figure
 from .fit import fit_figure
 from .heights import heights_figure
 from .run import run_figure
+from .sweeps import sweep_figure
 from .trap import trap_figure
 from .tuning import tuning_figure
 
@@ -10,9 +12,11 @@ __all__ = [
     "calibration_figure",
     "depth_figure",
     "draw_calibration",
+    "ensemble_figure",
     "fit_figure",
     "heights_figure",
     "run_figure",
+    "sweep_figure",
     "trap_figure",
     "tuning_figure",
 ]

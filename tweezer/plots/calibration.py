@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.ticker import LogLocator, NullFormatter
 
 from tweezer.calibration import (
     in_metres,
@@ -18,6 +17,7 @@ from tweezer.calibration import (
     standard_error,
 )
 from tweezer.plots import style
+from tweezer.plots.free import draw_free, draw_records, number
 from tweezer.values.constants import Boltzmann
 from tweezer.values.prefixes import per
 from tweezer.values.printed import with_error
@@ -25,20 +25,17 @@ from tweezer.values.rounding import with_uncertainty
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
 
     from tweezer.calibration import Calibration, Finding
     from tweezer.reading import Recording
-
-#: Size of the figure, inches
-SIZE = (style.PAGE, 7.0)
-#: Largest number of samples of a trajectory in a figure
-_SHOWN = 6000
 
 
 @style.styled
 def calibration_figure(recording: Recording, calibration: Calibration) -> Figure:
     """Draw trajectory, density, power spectrum, mean squared displacement and potential, with fits.
+
+    Below the spectrum are its residuals: data over fit. A bead that is free along all axes has a
+    figure of its own, see `tweezer.plots.free.draw_free`.
 
     Bars are standard errors. Spectra are averaged over bins of frequency for the figure only; the
     fits are those of `calibration`. A recording in volts is drawn in metres, and one with a drive
@@ -56,7 +53,8 @@ def calibration_figure(recording: Recording, calibration: Calibration) -> Figure
     Figure
         Matplotlib figure.
     """
-    figure = style.new(*SIZE)
+    free = calibration.free is not None and not calibration.trapped
+    figure = style.new(style.PAGE, 6.2 if free else 7.8)
     draw_calibration(figure, recording, calibration)
     return figure
 
@@ -65,45 +63,41 @@ def calibration_figure(recording: Recording, calibration: Calibration) -> Figure
 def draw_calibration(
     figure: Figure | SubFigure, recording: Recording, calibration: Calibration
 ) -> None:
-    """Draw the panels of `calibration_figure` in a figure or in a part of one."""
+    """Draw the panels of `calibration_figure` in a figure or a part of one."""
+    if calibration.free is not None and not calibration.trapped:
+        draw_free(figure, recording, calibration, calibration.free)
+        return
     recording = in_metres(recording, calibration)
-    axes = figure.subplot_mosaic(
-        [["trajectory", "trajectory"], ["spectrum", "displacement"], ["potential", "density"]],
-        height_ratios=(0.6, 1, 1),
-    )
-    _draw_trajectory(axes["trajectory"], recording)
+    records = [f"{axis} over time" for axis in recording.axes]
+    rows: list[Any] = [
+        *([name, name] for name in records),
+        ["spectrum", "displacement"], ["residuals", "displacement"], ["potential", "density"],
+    ]  # fmt: skip
+    heights = [0.9 / len(records)] * len(records)
+    axes = figure.subplot_mosaic(rows, height_ratios=(*heights, 1, 0.4, 1.2))
+    draw_records([axes[name] for name in records], recording, "nm", per("nm"))
     _draw_density(axes["density"], recording)
-    _draw_spectrum(axes["spectrum"], recording, calibration)
+    _draw_spectrum(axes["spectrum"], axes["residuals"], recording, calibration)
     _draw_displacement(axes["displacement"], recording, calibration)
     _draw_potential(axes["potential"], recording, calibration)
-    figure.align_ylabels([axes["spectrum"], axes["potential"]])
+    figure.align_ylabels(
+        [*(axes[name] for name in (*records, "spectrum", "residuals", "potential"))]
+    )
+    shown = [records[0], "spectrum", "residuals", "displacement", "potential", "density"]
+    style.add_letters(axes[name] for name in shown if axes[name].axison)
     drag = "drag fitted"
     if calibration.drag is not None:
         drag = f"drag {calibration.drag * per('nN s/m'):.3g} nN s/m"
     if calibration.wall is not None:
         drag += " far away" if calibration.drag is not None else ""
-        drag += f" · {calibration.wall.distance * per('um'):.4g} µm from a wall"
-    style.add_title(
-        figure, calibration.name,
-        f"{calibration.temperature:.5g} K · {drag} · {calibration.samples} samples, one every "
-        f"{calibration.step * per('ms'):.3g} ms",
-    )  # fmt: skip
-
-
-def _draw_trajectory(axes: Axes, recording: Recording) -> None:
-    """Draw the positions over time; a long recording is thinned to about 6000 samples."""
-    shown = slice(None, None, -(-len(recording.times) // _SHOWN))
-    for axis, positions in zip(recording.axes, recording.positions.T, strict=True):
-        about = (positions - positions.mean()) * per("nm")
-        axes.plot(
-            recording.times[shown], about[shown], color=style.AXES[axis].colour, lw=0.4,
-            label=axis, rasterized=True, zorder=3 - "xyz".index(axis) / 4,
-        )  # fmt: skip
-    axes.margins(x=0)
-    axes.set(xlabel="time (s)", ylabel="from the mean (nm)")
-    legend = axes.legend(ncols=3, loc="lower right", bbox_to_anchor=(1, 1), borderaxespad=0.2)
-    style.widen(legend)
-    axes.set_title("trajectory")
+        drag += f", {calibration.wall.distance * per('um'):.4g} µm from a wall"
+    style.add_title(figure, f"Calibration of {calibration.name}")
+    note = (
+        f"{calibration.temperature:.5g} K, {drag}, {calibration.samples} samples, one every "
+        f"{calibration.step * per('ms'):.3g} ms. Bars: standard errors; rings: corner frequencies; "
+        "dotted: beyond the frequencies of the fit. The spectrum includes its aliases."
+    )
+    style.add_notes(figure, [note])
 
 
 def _draw_density(axes: Axes, recording: Recording) -> None:
@@ -126,12 +120,18 @@ def _draw_density(axes: Axes, recording: Recording) -> None:
     axes.set_title("density")
 
 
-def _draw_spectrum(axes: Axes, recording: Recording, calibration: Calibration) -> None:
-    """Draw power spectra with their models, solid in the range of the fit and dotted beyond.
+def _draw_spectrum(
+    axes: Axes, residuals: Axes, recording: Recording, calibration: Calibration
+) -> None:
+    """Draw power spectra with their models: solid in the range of the fit, dotted beyond.
 
     Rings mark corner frequencies.
     """
-    for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
+    for each in (residuals, axes):
+        each.set_xscale("log")
+    axes.sharex(residuals)
+    every = zip(calibration.axes, recording.positions.T, strict=True)
+    for below, (found, positions) in enumerate(every):
         frequencies, density = power_spectrum(positions, recording.step)
         edges = np.geomspace(frequencies[0], frequencies[-1] * (1 + 1e-9), 61)
         bins = np.digitize(frequencies, edges)
@@ -143,15 +143,20 @@ def _draw_spectrum(axes: Axes, recording: Recording, calibration: Calibration) -
         mark = style.AXES[found.axis]
         axes.errorbar(
             at, mean, mean / np.sqrt(counts[kept]), elinewidth=0.6, ms=2.5, alpha=0.6,
-            **mark.points,
+            zorder=2 - below / 4, **mark.points,
         )  # fmt: skip
         frequencies = np.geomspace(at[0], frequencies[-1], 400)
         fitted = frequencies <= found.fit.highest_frequency
         bead, uncertainty = found.fit.bead, found.fit.corner_frequency_uncertainty
         curve = bead.sampled_spectrum(frequencies, recording.step)
+        ratio = mean / bead.sampled_spectrum(at, recording.step)
+        residuals.errorbar(
+            at, ratio, ratio / np.sqrt(counts[kept]), elinewidth=0.6, ms=2.5, alpha=0.6,
+            zorder=2 - below / 4, **mark.points,
+        )  # fmt: skip
         corner = with_uncertainty(bead.corner_frequency, uncertainty, "±")
         axes.plot(
-            frequencies[fitted], curve[fitted], zorder=3, **mark.curve,
+            frequencies[fitted], curve[fitted], zorder=3 - below / 4, **mark.curve,
             label=f"{found.axis}: $f_c$ = {corner} Hz{_mark(found.findings)}",
         )  # fmt: skip
         axes.plot(frequencies, curve, color=mark.colour, lw=0.6, ls=":", zorder=3)
@@ -162,7 +167,10 @@ def _draw_spectrum(axes: Axes, recording: Recording, calibration: Calibration) -
             )
         for answer in found.answers:
             axes.axvline(answer.frequency, ymin=0.92, color=mark.colour, lw=1.0)
-    axes.set(xscale="log", yscale="log", xlabel="frequency (Hz)", ylabel="density (m²/Hz)")
+    axes.set(yscale="log", ylabel="density (m²/Hz)")
+    axes.tick_params(labelbottom=False)
+    residuals.axhline(1, color=style.INK, lw=0.8)
+    residuals.set(xlabel="frequency (Hz)", ylabel="data / fit")
     style.headroom(axes, 0.11 * len(calibration.axes), below=True)
     axes.legend(loc="lower left")
     form = "Lorentzian" if calibration.mass is None else "inertial form"
@@ -170,7 +178,7 @@ def _draw_spectrum(axes: Axes, recording: Recording, calibration: Calibration) -
         form = "hydrodynamic form"
     if not all(found.fit.bead.seen_as_it_is for found in calibration.axes):
         form += " as detected"
-    axes.set_title(f"power spectrum; {form} with its aliases")
+    axes.set_title(f"power spectrum, {form}")
 
 
 def _draw_displacement(axes: Axes, recording: Recording, calibration: Calibration) -> None:
@@ -196,19 +204,9 @@ def _draw_displacement(axes: Axes, recording: Recording, calibration: Calibratio
     axes.set(xscale="log", yscale="log", xlabel="lag (s)", ylabel="displacement² (nm²)")
     style.headroom(axes, 0.11 * len(calibration.axes))
     for along in (axes.xaxis, axes.yaxis):
-        _number(along)
+        number(along)
     axes.legend(loc="upper left")
     axes.set_title("mean squared displacement")
-
-
-def _number(along: Axis) -> None:
-    """Use plain numbers on a logarithmic axis that is too short for powers of ten alone."""
-    low, high = along.get_view_interval()
-    if high < 100 * low:
-        short = high < 20 * low
-        along.set_major_locator(LogLocator(subs=(1, 2, 5) if short else (1, 3)))
-        along.set_major_formatter("{x:g}")
-        along.set_minor_formatter(NullFormatter())
 
 
 def _draw_potential(axes: Axes, recording: Recording, calibration: Calibration) -> None:

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from tweezer.plots import style
-from tweezer.plots.scene import add_caveat
+from tweezer.plots.scene import caveat_note, change_note, title_of
 from tweezer.results.io import scene_of
 from tweezer.values.prefixes import per
 
@@ -41,7 +41,7 @@ def heights_figure(trap: xr.Dataset) -> Figure:
     height = trap["height"].values * per("um")
     drawn = {
         "stiffness": (trap["stiffness"] * per("pN/um"), "stiffness (pN/µm)"),
-        "drag": (trap["drag"] / trap["free_drag"], "drag over that far away"),
+        "drag": (trap["drag"] / trap["free_drag"], "drag / drag far from the wall"),
         "corner_frequency": (trap["corner_frequency"], "corner frequency (Hz)"),
     }
     for name, (values, label) in drawn.items():
@@ -65,9 +65,13 @@ def heights_figure(trap: xr.Dataset) -> Figure:
         crosses.set_in_layout(False)
     for name in ("drag", "corner_frequency"):
         panels[name].set(xlabel="height of the focus above the wall (µm)")
-    name, evaluated = scene_of(trap).name, trap.attrs["force_evaluator"]
-    style.add_title(figure, f"{name}, over the height of its focus · {evaluated}")
-    add_caveat(figure, scene_of(trap), cones=False)
+    scene = scene_of(trap)
+    style.add_letters(panels.values())
+    style.add_title(figure, f"{title_of(scene)}: trap over the height of its focus")
+    notes = [change_note(scene), f"Force by {trap.attrs['force_evaluator']}."]
+    if lost.any():
+        notes.append("Crosses: nothing holds the bead.")
+    style.add_notes(figure, [*notes, caveat_note(scene, cones=False)])
     return figure
 
 

@@ -2,19 +2,31 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.collections import LineCollection
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
+from tweezer.dynamics import bound_once
 from tweezer.plots import style
-from tweezer.plots.scene import add_caveat, draw_cones, draw_walls, planes
+from tweezer.plots.scene import (
+    caveat_note,
+    change_note,
+    draw_cones,
+    draw_walls,
+    planes,
+    title_of,
+)
 from tweezer.results.io import scene_of
 from tweezer.results.run import Run
 from tweezer.runs import summarise
 from tweezer.runs.resolved import resolved
 from tweezer.scene import Scene
+from tweezer.values.arrays import Array
 from tweezer.values.prefixes import per
 
 if TYPE_CHECKING:
@@ -23,14 +35,47 @@ if TYPE_CHECKING:
 
 #: Speed below which nothing is drawn, over the largest speed
 _SLOWEST = 5e-5
+#: Widest and narrowest panel of a path, as its width over its height
+_NARROW, _WIDE = 0.62, 1.15
+#: Part of the length of a path after which its colours end: the bead is at rest
+_TRAVELLED = 0.995
+#: Ratio of terminal and actual speed at the end from which the difference is explained
+_APART = 1.5
+#: Ratio of the ranges of a record and of its second half from which only the latter is shown
+_BEYOND = 3.0
+#: Number of bins of a histogram of positions
+_BINS = 60
+#: Colours of times; the lightest ones are left out, which white paper would hide
+_TIMES = ListedColormap(colormaps[style.VALUES](np.linspace(0.0, 0.88, 256)))
+
+
+class _Path(NamedTuple):
+    """Path of a bead in the plane that the axis of the light spans with the point of release."""
+
+    lateral: Array
+    """(n,) coordinates from the axis, towards the release, µm"""
+    z: Array
+    """(n,) coordinates along the light, µm"""
+    direction: Array
+    """(2,) unit vector of the lateral coordinate in the plane of x and y"""
+    limits: Array
+    """(2, 2) ends of both axes, µm"""
+
+    @property
+    def shape(self) -> float:
+        """Width over height of its panel."""
+        width, height = np.diff(self.limits, axis=1).ravel()
+        return float(width / height)
 
 
 @style.styled
 def run_figure(run: xr.Dataset) -> Figure:
     """Draw the path in the plane of the beam's axis, and coordinates and speeds over time.
 
-    With thermal motion the distance to the focus takes the place of the speeds, which have no
-    meaning between samples. Samples too far apart to show the motion are drawn as points.
+    With thermal motion each coordinate has a panel with its histogram beside it, and the distance
+    to the equilibrium takes the place of the speeds, which have no meaning between samples. Without
+    a known equilibrium it is the distance to the focus. Samples too far apart to show the motion
+    are drawn as points.
 
     Parameters
     ----------
@@ -42,26 +87,56 @@ def run_figure(run: xr.Dataset) -> Figure:
     Figure
         Matplotlib figure.
     """
-    figure = style.new(style.PAGE, 4.3)
-    axes = figure.subplot_mosaic(
-        [["path", "position"], ["path", "below"]], width_ratios=(1, 1.12), height_ratios=(1, 1.1)
-    )
-    _draw_path(axes["path"], run)
-    _draw_position(axes["position"], run)
-    if _thermal(run):
-        _draw_distance(axes["below"], run)
+    scene, path, thermal = scene_of(run), _path(run), _thermal(run)
+    figure = style.new(style.PAGE, 5.2 if thermal else 4.3)
+    left = 1.2 * path.shape
+    if thermal:
+        names = ["x", "y", "z", "distance"]
+        rows: list[Any] = [["path", name, f"{name} histogram"] for name in names]
+        axes = figure.subplot_mosaic(rows, width_ratios=(left, 1.25, 0.25))
+        _draw_records(axes, run)
+        beside = [axes[name] for name in names]
     else:
-        _draw_speed(axes["below"], run)
-    axes["position"].sharex(axes["below"])
-    axes["position"].tick_params(labelbottom=False)
-    figure.align_ylabels([axes["position"], axes["below"]])
+        rows = [["path", "position"], ["path", "speed"]]
+        axes = figure.subplot_mosaic(rows, width_ratios=(left, 1.5), height_ratios=(1, 1.1))
+        _draw_position(axes["position"], run)
+        _draw_speed(axes["speed"], run)
+        axes["position"].sharex(axes["speed"])
+        axes["position"].tick_params(labelbottom=False)
+        beside = [axes["position"], axes["speed"]]
+    _draw_path(axes["path"], run, path)
+    figure.align_ylabels(beside)
+    style.add_letters([axes["path"], *beside])
+    style.add_title(figure, title_of(scene, run.attrs["title"]))
+    style.add_notes(figure, [change_note(scene), " ".join(_notes(run, path)), caveat_note(scene)])
+    return figure
+
+
+def _notes(run: xr.Dataset, path: _Path) -> list[str]:
+    """Return the notes on how the run was computed, and on what its figure shows."""
     model = run.attrs["model"]
     if model == "scaled":
-        model += f", a₂ = {scene_of(run).simulation.scaling_factor:g}"
-    how = [model, run.attrs["method"], run.attrs["message"]]  # the message if it ended early
-    style.add_title(figure, run.attrs["title"], " · ".join(filter(None, how)))
-    add_caveat(figure, scene_of(run))
-    return figure
+        model += f" with a₂ = {scene_of(run).simulation.scaling_factor:g}"
+    notes = [f"Model: {model}. Method: {run.attrs['method']}."]
+    if message := run.attrs["message"]:  # if it ended early
+        notes.append(f"Ended early: {message}.")
+    told = "Open circle: bead at the release; filled: at the end; shaded: cone of light; +: focus."
+    if not np.array_equal(path.direction, [1.0, 0.0]):
+        told += " The lateral position is counted towards the release."
+    notes.append(told)
+    if _thermal(run):
+        return [*notes, "Records that settle are drawn in the range of their second half."]
+    notes.append(
+        "Terminal speed: the speed at which the drag balances the other forces. Reynolds number: "
+        "speed times diameter times density over viscosity of the medium."
+    )
+    speed, terminal = (float(run[name][-1]) for name in ("speed", "terminal_speed"))
+    if run.attrs.get("fluid_inertia", "").startswith("memory") and terminal > _APART * speed > 0:
+        notes.append(
+            "Speed and terminal speed differ at the end because the fluid that the bead has set in "
+            "motion still pushes on it."
+        )
+    return notes
 
 
 def _milliseconds(run: xr.Dataset) -> np.ndarray:
@@ -88,42 +163,106 @@ def _look(run: xr.Dataset, mark: style.Mark) -> dict[str, Any]:
     return {**mark.curve, **many}
 
 
-def _draw_path(axes: Axes, run: xr.Dataset) -> None:
-    """Draw z and the distance from the axis, which is positive on the side of the release."""
+def _foci(scene: Scene, direction: Array) -> tuple[Array, Array]:
+    """Return the lateral coordinates and z of all foci, µm."""
+    foci = per("um") * np.array([beam.position for beam in scene.beams])
+    return foci[:, :2] @ direction, foci[:, 2]
+
+
+def _path(run: xr.Dataset) -> _Path:
+    """Return the path of the bead, with limits that hold all of it, the foci and walls nearby."""
     scene = scene_of(run)
     position = run["position"].values * per("um")
     start = position[0, :2]
     direction = start / np.linalg.norm(start) if start.any() else np.array([1.0, 0.0])
     lateral, z = position[:, :2] @ direction, position[:, 2]
     radius = scene.body.size * per("um")
-    foci = per("um") * np.array([beam.position for beam in scene.beams])
-    across = np.abs(np.append(lateral, foci[:, :2] @ direction)).max()
-    along = np.abs(np.append(z, foci[:, 2])).max()
-    reach = 1.15 * max(across + radius, along + radius, 3 * radius)
-    near = [plane for plane, _ in planes(scene) if abs(plane) < 1.5 * reach]
-    reach = max(reach, *(1.15 * abs(plane) for plane in near), 0.0)
-    draw_cones(axes, scene, reach, direction, color=style.LIGHT, alpha=0.07, lw=0, zorder=0)
-    axes.plot(lateral, z, zorder=3, **_look(run, style.SERIES[0]))
+    limits = []
+    for coordinates, foci in zip((lateral, z), _foci(scene, direction), strict=True):
+        low = min(coordinates.min() - radius, foci.min())
+        high = max(coordinates.max() + radius, foci.max())
+        margin = max(0.12 * (high - low), 0.4 * radius)
+        limits.append([low - margin, high + margin])
+    (left, right), (low, high) = limits
+    height = high - low
+    near = [plane for plane, _ in planes(scene) if low - height < plane < high + height]
+    low, high = min([low, *near]), max([high, *near])
+    if near:
+        low, high = low - 0.06 * (high - low), high + 0.06 * (high - low)
+    wider = max(0.0, _NARROW * (high - low) - (right - left)) / 2
+    higher = max(0.0, (right - left) / _WIDE - (high - low)) / 2
+    ends = [[left - wider, right + wider], [low - higher, high + higher]]
+    return _Path(lateral, z, direction, np.array(ends))
+
+
+def _draw_path(axes: Axes, run: xr.Dataset, path: _Path) -> None:
+    """Draw the path as distance from the axis against z, with colours that follow the time."""
+    scene = scene_of(run)
+    lateral, z, direction, limits = path
+    radius = scene.body.size * per("um")
+    reach = float(np.abs(limits).max())
+    draw_cones(axes, scene, reach, direction, **style.CONE)
+    draw_walls(axes, scene, reach)
+    time = _milliseconds(run)
+    points = np.column_stack([lateral, z])
+    travelled = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
+    curve, thermal = resolved(Run.of(run)), _thermal(run)
+    rest = time[-1]
+    if curve and not thermal:
+        rest = time[np.searchsorted(travelled, _TRAVELLED * travelled[-1])]
+    many = run.sizes["time"] > 10_000
+    if curve:
+        drawn: Any = LineCollection(
+            list(np.stack([points[:-1], points[1:]], axis=1)), array=time[:-1],
+            lw=0.5 if thermal else 1.6, cmap=_TIMES, zorder=3, rasterized=many, capstyle="round",
+        )  # fmt: skip
+        axes.add_collection(drawn)
+    else:
+        drawn = axes.scatter(lateral, z, s=2, c=time, cmap=_TIMES, zorder=3, rasterized=many)
+    drawn.set_clim(time[0], rest if rest > time[0] else time[-1])
+    axes.figure.colorbar(
+        drawn, cax=axes.inset_axes((1.04, 0.0, 0.045, 1.0)), label="time (ms)",
+        extend="max" if rest < time[-1] else "neither",
+    )  # fmt: skip
+    if curve and not thermal:
+        _draw_direction(axes, points, travelled, 0.02 * reach)
     for i, filled in ((0, False), (-1, True)):
         axes.add_patch(
-            Circle((lateral[i], z[i]), radius, facecolor=style.PATH if filled else "none",
+            Circle((lateral[i], z[i]), radius, facecolor=style.BEAD if filled else "none",
                    edgecolor=style.PATH, alpha=0.35 if filled else 0.9, lw=0.8, zorder=2)
         )  # fmt: skip
-    draw_walls(axes, scene, reach)
-    below = z[len(z) // 2] > z[0]  # the side that the path leaves free
+    below = z[len(z) // 2] > z[0]  # the side without the path
     axes.annotate(
-        "start", (lateral[0], z[0] - radius if below else z[0] + radius), ha="center",
+        "release", (lateral[0], z[0] - radius if below else z[0] + radius), ha="center",
         va="top" if below else "bottom", xytext=(0, -2 if below else 2),
         textcoords="offset points", fontsize=style.SMALL, color=style.NOTE, zorder=4,
         bbox={"fc": "white", "ec": "none", "pad": 0.5, "alpha": 0.8},
     )  # fmt: skip
-    axes.plot(foci[:, :2] @ direction, foci[:, 2], "+", color=style.LIGHT, ms=7, mew=1.2, zorder=4)
+    axes.plot(*_foci(scene, direction), "+", color=style.LIGHT, ms=7, mew=1.2, zorder=4)
     axes.set(
-        xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal",
-        xlabel="lateral position, towards the start (µm)", ylabel="z along the light (µm)",
+        xlim=limits[0], ylim=limits[1], aspect="equal", xlabel="lateral position (µm)",
+        ylabel="z along the light (µm)",
     )  # fmt: skip
-    shown = "path" if resolved(Run.of(run)) else "samples"
-    axes.set_title(f"{shown}, bead and light to scale; + focus")
+    axes.set_title("path, to scale" if curve else "samples, to scale")
+
+
+def _draw_direction(axes: Axes, points: Array, travelled: Array, length: float) -> None:
+    """Draw arrows along a path, at a third and at two thirds of its length.
+
+    points: (n, 2) places, µm. travelled: (n,) way to each of them, µm. length: of an arrow, µm.
+    """
+    for part in (1 / 3, 2 / 3):
+        tip = part * travelled[-1]
+        if tip <= length:
+            continue
+        behind, ahead = (
+            (np.interp(at, travelled, points[:, 0]), np.interp(at, travelled, points[:, 1]))
+            for at in (tip - length, tip)
+        )
+        axes.annotate(
+            "", ahead, behind, zorder=4,
+            arrowprops={"arrowstyle": "-|>", "color": style.INK, "lw": 0.8, "mutation_scale": 8},
+        )  # fmt: skip
 
 
 def _draw_position(axes: Axes, run: xr.Dataset) -> None:
@@ -144,7 +283,7 @@ def _draw_contact(axes: Axes, scene: Scene) -> None:
     for plane, normal in planes(scene):
         touching = plane + normal * scene.body.support(normal) * per("um")
         if abs(touching - (low + high) / 2) < high - low:
-            axes.axhline(touching, color=style.AXES["z"].colour, lw=0.8, ls="--", zorder=2)
+            axes.axhline(touching, color=style.MUTED, lw=0.8, ls="--", zorder=2)
             axes.annotate(
                 "z where the bead touches the wall", (1, touching),
                 xycoords=("axes fraction", "data"), xytext=(-3, 3), textcoords="offset points",
@@ -152,22 +291,61 @@ def _draw_contact(axes: Axes, scene: Scene) -> None:
             )  # fmt: skip
 
 
-def _draw_distance(axes: Axes, run: xr.Dataset) -> None:
-    """Draw the distance to the focus over time."""
-    axes.plot(_milliseconds(run), run["distance"] * per("um"), **_look(run, style.SERIES[0]))
-    axes.set(xlabel="time (ms)", ylabel="distance to the focus (µm)")
-    axes.set_ylim(bottom=0)
+def _draw_records(axes: dict[str, Axes], run: xr.Dataset) -> None:
+    """Draw each coordinate, and the distance to the equilibrium or the focus, over time.
+
+    Each has its histogram beside it.
+    """
+    scene = scene_of(run)
+    position = run["position"].transpose("time", "axis").values * per("um")
+    records = {axis: position[:, i] for i, axis in enumerate("xyz")}
+    at_rest = not any(beam.motion for beam in scene.beams)
+    held = bound_once(scene).equilibrium if scene.lit and at_rest else None
+    centre = held.position if held else np.zeros(3)
+    records["distance"] = np.linalg.norm(position - np.multiply(centre, per("um")), axis=1)
+    for name, values in records.items():
+        mark = style.AXES.get(name, style.SPEED)
+        record, histogram = axes[name], axes[f"{name} histogram"]
+        record.plot(_milliseconds(run), values, **_look(run, mark))
+        record.set(xlim=_milliseconds(run)[[0, -1]], ylim=_settled(values))
+        if name == "z":
+            _draw_contact(record, scene)
+        histogram.sharey(record)
+        histogram.hist(
+            values, _BINS, range=record.get_ylim(), orientation="horizontal", color=mark.colour,
+            alpha=0.7,
+        )  # fmt: skip
+        histogram.tick_params(labelleft=False, bottom=False, labelbottom=False)
+        record.set_ylabel(f"{name} (µm)")
+        if name != "distance":
+            record.sharex(axes["distance"])
+            record.tick_params(labelbottom=False)
+    axes["distance"].set(xlabel="time (ms)", ylim=(0, None))
+    axes["distance"].set_title(f"distance to the {'equilibrium' if held else 'focus'}")
+    axes["distance histogram"].set_xlabel("samples")
+
+
+def _settled(values: Array) -> tuple[float, float]:
+    """Return the range of a record to show: that of its second half if the rest goes far beyond."""
+    ranges = [
+        (float(some.min()), float(some.max())) for some in (values[len(values) // 2 :], values)
+    ]
+    (low, high), (least, most) = ranges
+    if most - least < _BEYOND * (high - low):
+        low, high = least, most
+    margin = 0.1 * (high - low) or 1e-3
+    return low - margin, high + margin
 
 
 def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
-    """Draw actual and terminal speed (5.2) over time, with the Reynolds number (5.1)."""
+    """Draw actual and terminal speed over time, with the Reynolds number."""
     time = _milliseconds(run)
-    look = _look(run, style.SERIES[0])
-    if resolved(Run.of(run)):  # the terminal speed coincides with it most of the time
+    look = _look(run, style.SPEED)
+    if resolved(Run.of(run)):  # the terminal speed lies on it for most of the way
         look |= {"lw": 2.6, "alpha": 0.45}
-    axes.plot(time, run["speed"], label="actual", **look)
-    terminal = _look(run, style.SERIES[1])
-    axes.plot(time, run["terminal_speed"], label="terminal (5.2)", **terminal)
+    axes.plot(time, run["speed"], label="speed", **look)
+    terminal = _look(run, style.TERMINAL)
+    axes.plot(time, run["terminal_speed"], label="terminal speed", **terminal)
     _mark_closest_approach(axes, run, "first closest\napproach")
     fast = float(run["speed"].max())
     if fast > 0:
@@ -181,7 +359,7 @@ def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
                 lambda number: np.asarray(number) / number_per_speed,
             ),
         )
-        right.set_ylabel("Reynolds number (5.1)")
+        right.set_ylabel("Reynolds number")
     axes.set(xlabel="time (ms)", ylabel="speed (m/s)")
     style.legend_above(axes, 2)
 
@@ -194,7 +372,7 @@ def _mark_closest_approach(axes: Axes, run: xr.Dataset, label: str) -> None:
     axes.axvline(time * per("ms"), color=style.MUTED, lw=0.8, ls=":")
     late = time * per("ms") > _milliseconds(run)[-1] / 2
     axes.annotate(
-        label, (time * per("ms"), 1), xycoords=("data", "axes fraction"),
-        xytext=(-3 if late else 3, -3), textcoords="offset points", va="top",
+        label, (time * per("ms"), 0), xycoords=("data", "axes fraction"),
+        xytext=(-3 if late else 3, 3), textcoords="offset points", va="bottom",
         ha="right" if late else "left", fontsize=style.SMALL, color=style.NOTE,
     )  # fmt: skip

@@ -11,20 +11,35 @@ from matplotlib.patches import Polygon
 from tweezer.optics import cone_caveat, drawn_half_angle, ray_optics_caveat
 from tweezer.plots import style
 from tweezer.scene import Scene
+from tweezer.scene.heading import changes
 from tweezer.values.prefixes import per
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 
-def add_caveat(figure: Figure, scene: Scene, *, cones: bool = True) -> None:
-    """Add a caveat below all panels: that of ray optics, or that of the cones if they are drawn.
+def title_of(scene: Scene, title: str = "") -> str:
+    """Return the title of a figure: that of the result if it has its own, or that of the scene.
+
+    The title of a changed scene is its name; `change_note` has the changes.
+    """
+    if title and title != scene.title:
+        return title
+    return f"{scene.name} with changes" if scene.changed else scene.title
+
+
+def change_note(scene: Scene) -> str:
+    """Return a note with every change to the scene; "" without changes."""
+    return f"Changed: {changes(scene)}." if scene.changed else ""
+
+
+def caveat_note(scene: Scene, *, cones: bool = True) -> str:
+    """Return the caveat of ray optics, or of the cones if they are drawn; "" without one.
 
     No scene has both, because a cover glass excludes ray optics.
     """
-    if caveat := ray_optics_caveat(scene) or (cone_caveat(scene) if cones else None):
-        style.add_note(figure, caveat[0].upper() + caveat[1:] + ".")
+    caveat = ray_optics_caveat(scene) or (cone_caveat(scene) if cones else None)
+    return caveat[0].upper() + caveat[1:] + "." if caveat else ""
 
 
 def planes(scene: Scene) -> list[tuple[float, float]]:

@@ -3,14 +3,16 @@
 Figures have the width of one column of a journal, 85 mm, or of two, 178 mm, with no text below 7
 points. Colours differ in lightness, so they are distinguished in greyscale and with red-green
 colour blindness. Curves in the same axes also differ by line or marker. Figures look the same in
-any Matplotlib session and change no global state. Only `use` does, for notebooks.
+any Matplotlib session and change no global state. Only `use` does, for notebooks. Text, axes,
+light and bead have the colours of the interactive pages.
 """
 
 from __future__ import annotations
 
 import functools
+import string
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import IO, Any, NamedTuple, ParamSpec, TypeVar
 
@@ -68,15 +70,25 @@ SERIES = (
     Mark("#4a90e8", (0, (7, 1.5, 1, 1.5, 1, 1.5)), "v"),
     Mark("#6a2bc2", (0, (2.5, 1.2)), "P"),
 )
-#: Marks of the axes of the laboratory frame
-AXES = dict(zip("xyz", SERIES, strict=False))
-#: Colours of the path, of light and its limits, of orientation marks, and of notes
-PATH, LIGHT, MUTED, NOTE = SERIES[0].colour, "#cc3311", "#777777", "#555555"
-#: Colour of the inside of an interval
+#: The axes of the laboratory: blue, red and green as on pages, but of different lightness
+AXES = {
+    "x": Mark("#1f6fb8", "-", "o"),
+    "y": Mark("#7a1f33", (0, (5, 1.5)), "s"),
+    "z": Mark("#57c97d", (0, (4, 1.2, 1, 1.2)), "^"),
+}
+#: Speed of the bead, and its terminal speed
+SPEED, TERMINAL = Mark("#5b3f9b", "-", "o"), Mark("#b4540a", (0, (5, 1.5)), "s")
+#: Colour of text, of the frames of axes, and of notes
+INK, FRAME, NOTE = "#1b2230", "#566172", "#566172"
+#: Colour of paths, of the bead, of the light's edges and foci, and of lines for orientation
+PATH, BEAD, LIGHT, MUTED = "#16365f", "#4f7fbd", "#c92a2a", "#7b8593"
+#: Fill of the cone of light
+CONE: dict[str, Any] = {"color": "#ff5a36", "alpha": 0.09, "lw": 0, "zorder": 0}
+#: Interior of an interval
 SHADE = "#d8e2f1"
-#: Style of solid regions
-SOLID: dict[str, Any] = {"fc": "#dddddd", "ec": "#aaaaaa", "hatch": "////", "lw": 0, "zorder": 0}
-#: Colour maps for values from zero, and for any values, with monotonic lightness
+#: Style of what is solid
+SOLID: dict[str, Any] = {"fc": "#e2e7ed", "ec": "#a9b6c3", "hatch": "////", "lw": 0, "zorder": 0}
+#: Maps of colours: of a size from zero, and of any value. Their lightness goes one way
 FROM_ZERO, VALUES = "Blues", "viridis"
 
 _PARAMETERS: Any = {
@@ -94,11 +106,18 @@ _PARAMETERS: Any = {
     "figure.titlesize": TEXT + 1,
     "figure.labelsize": SMALL,
     "figure.facecolor": "white",
+    "text.color": INK,
+    "axes.labelcolor": INK,
+    "axes.titlecolor": INK,
+    "xtick.color": FRAME,
+    "ytick.color": FRAME,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
     "figure.dpi": 100,
     "figure.constrained_layout.h_pad": 0.05,
     "figure.constrained_layout.w_pad": 0.05,
     "axes.linewidth": 0.6,
-    "axes.edgecolor": "#333333",
+    "axes.edgecolor": FRAME,
     "axes.grid": False,
     "grid.color": "#e6e6e6",
     "grid.linewidth": 0.5,
@@ -210,23 +229,32 @@ def save(figure: Figure, to: Path | IO[bytes], kind: str, title: str = "") -> No
 
 
 def add_title(figure: Figure | SubFigure, text: str, note: str = "") -> None:
-    """Add a title above all panels, and a note below it, of up to three lines each.
+    """Add a title above all panels, and a note below it, of up to two lines each.
 
     Both are literal text: a dollar sign in a name does not begin a formula.
     """
     width = round(13 * figure.bbox.width / figure.dpi)
     parts = [
-        textwrap.fill(typeset(part), width, max_lines=3, placeholder=" …") for part in (text, note)
+        textwrap.fill(typeset(part), width, max_lines=2, placeholder=" …") for part in (text, note)
     ]
     figure.suptitle("\n".join(filter(None, parts)), parse_math=False)
 
 
-def add_note(figure: Figure, text: str) -> None:
-    """Add a note in small letters below all panels, on limitations that a reader must know."""
-    width = round(figure.get_figwidth() * 17)
-    figure.supxlabel(
-        textwrap.fill(typeset(text), width), fontsize=SMALL, color=NOTE, parse_math=False
-    )
+def add_notes(figure: Figure | SubFigure, notes: Iterable[str]) -> None:
+    """Add notes in small letters below all panels, each beginning a line; empty ones are left out.
+
+    They are literal, as titles are.
+    """
+    width = round(19 * figure.bbox.width / figure.dpi)
+    lines = [textwrap.fill(typeset(note), width) for note in notes if note]
+    if lines:
+        figure.supxlabel("\n".join(lines), fontsize=SMALL, color=NOTE, parse_math=False)
+
+
+def add_letters(panels: Iterable[Axes]) -> None:
+    """Add the letters a, b, c, ... above the left corners of panels, in their order."""
+    for letter, axes in zip(string.ascii_lowercase, panels, strict=False):
+        axes.set_title(letter, loc="left", fontweight="bold")
 
 
 def headroom(axes: Axes, part: float, *, below: bool = False) -> None:
@@ -242,9 +270,9 @@ def headroom(axes: Axes, part: float, *, below: bool = False) -> None:
 
 
 def legend_above(axes: Axes, columns: int, **options: Any) -> Legend:
-    """Add a legend between axes and title, outside the data."""
+    """Add a legend above the right corner of axes, away from the data and from the letter."""
     return axes.legend(
-        loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, borderaxespad=0.2, **options
+        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, borderaxespad=0.2, **options
     )
 
 

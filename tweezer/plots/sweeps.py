@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import string
 import textwrap
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -14,7 +15,9 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from tweezer.plots import style
+from tweezer.plots.scene import change_note
 from tweezer.results.io import scene_of
+from tweezer.scene.heading import named
 from tweezer.sweeps.quantities import FAILED, MISSING
 from tweezer.trap.quantities import STABLE
 from tweezer.values.arrays import Array
@@ -50,10 +53,15 @@ class _Panel(NamedTuple):
     error: xr.DataArray
     """errors of the values"""
     label: str
+    """name of the quantity"""
+    axis: str
+    """short name with the unit"""
     log: bool = False
     """whether values differ by orders of magnitude"""
     line: float | None = None
-    """value marked by a line"""
+    """value that is marked by a line"""
+    line_is: str = ""
+    """what the line means"""
     top: float | None = None
     """upper limit of the values drawn"""
 
@@ -87,17 +95,37 @@ def sweep_figure(result: xr.Dataset) -> Figure:
             _draw_map(axes, panel, result, *swept)
         else:
             _draw_curves(axes, panel, result, swept, family)
-    without = any(np.isnan(panel.values.values).any() for panel in panels)
-    cut = any(panel.top and (panel.values == panel.top).any() for panel in panels)
-    if not drawn_as_map and (without or cut or (result["caveat"].values != "").any()):
-        told = (
-            "cross: no number, where nothing holds the bead; triangle down: failed; "
-            "triangle up: larger than is drawn; hollow: a caveat"
-        )
-        style.add_note(figure, told)
-    told = f"{result.attrs['of']} over {' and '.join(swept)}"
-    style.add_title(figure, f"{scene_of(result).name}: {told}")
+    style.add_letters(every[: len(panels)])
+    scene, keys = scene_of(result), [named(key) for dim in swept for key in _keys_of(result, dim)]
+    style.add_title(figure, f"{scene.name}: {result.attrs['of']} over {' and '.join(keys)}")
+    style.add_notes(figure, [change_note(scene), _marks_note(result, panels, maps=drawn_as_map)])
     return figure
+
+
+def _marks_note(result: xr.Dataset, panels: list[_Panel], *, maps: bool) -> str:
+    """Return a note on the lines and marks that occur in the panels.
+
+    maps: whether the panels are maps.
+    """
+    told = [
+        f"{'white' if maps else 'dashed'} line in {letter}: {panel.line_is}"
+        for letter, panel in zip(string.ascii_lowercase, panels, strict=False)
+        if panel.line is not None
+    ]
+    top = next((panel.top for panel in panels if panel.top), None)
+    if top and any(panel.top and (panel.values == panel.top).any() for panel in panels):
+        told.append(f"{'brightest colour' if maps else 'triangle up'}: {top:.0e} s or longer")
+    if not maps:
+        failed = result["outcome"] == FAILED
+        without = [panel.values.isnull() for panel in panels]
+        if any((each & ~failed).any() for each in without):
+            told.append("cross: no number, because nothing holds the bead")
+        if any((each & failed).any() for each in without):
+            told.append("triangle down: failed")
+        if (result["caveat"] != "").any():
+            told.append("hollow: with a caveat")
+    note = "; ".join(told)
+    return f"{note[0].upper()}{note[1:]}." if told else ""
 
 
 def drawn_over(sizes: Mapping[str, int]) -> list[str]:
@@ -126,17 +154,22 @@ def _panels(result: xr.Dataset) -> list[_Panel]:
             panels = [
                 _easiest(
                     result, "escape_energy", 1.0,
-                    f"depth: work of the easiest way out (k_B T); line: {STABLE:g}", STABLE,
+                    "well depth in the easiest direction", "depth ($k_B T$)", STABLE,
+                    f"depth of {STABLE:g} kT",
                 ),
                 _panel(result, "equilibrium", "z"),
-                _easiest(result, "escape_force", 1e12, "smallest force that takes it out (pN)"),
+                _easiest(
+                    result, "escape_force", 1e12, "smallest escape force", "escape force (pN)"
+                ),
                 *(_panel(result, "stiffness", axis, log=True) for axis in "xz"),
             ]  # fmt: skip
             if result["lifetime"].notnull().any():
                 times = result["lifetime"].clip(max=_LONGEST)
                 errors = result["lifetime_error"].where(times < _LONGEST)
-                label = f"lifetime (s), up to {_LONGEST:.0e}; line: an hour"
-                panels.insert(1, _Panel(times, errors, label, True, _HOUR, _LONGEST))
+                lifetime = _Panel(
+                    times, errors, "lifetime", "lifetime (s)", True, _HOUR, "an hour", _LONGEST
+                )
+                panels.insert(1, lifetime)
             return panels
         case "run":
             names = ("outcome_time", "closest_approach", "overshoot", "largest_force")
@@ -151,15 +184,17 @@ def _panels(result: xr.Dataset) -> list[_Panel]:
 
 
 def _easiest(
-    result: xr.Dataset, name: str, scale: float, label: str, line: float | None = None
-) -> _Panel:
+    result: xr.Dataset, name: str, scale: float, label: str, axis: str,
+    line: float | None = None, line_is: str = "",
+) -> _Panel:  # fmt: skip
     """Return the panel of a quantity in the direction in which it is smallest.
 
-    `scale` is the factor from SI to the unit of the figure, and `line` a value marked by a line.
+    scale: factor from SI to the unit of the figure. label, axis: see `_Panel`. line, line_is: value
+    that is marked by a line, and its meaning.
     """
     at = result[name].fillna(math.inf).argmin("direction")
     values, errors = (result[each].isel(direction=at) for each in (name, f"{name}_error"))
-    return _Panel(scale * values, scale * errors, label, True, line)
+    return _Panel(scale * values, scale * errors, label, axis, True, line, line_is)
 
 
 def _panel(result: xr.Dataset, name: str, axis: str = "", *, log: bool = False) -> _Panel:
@@ -170,7 +205,7 @@ def _panel(result: xr.Dataset, name: str, axis: str = "", *, log: bool = False) 
         values, error = values.sel(axis=axis), error.sel(axis=axis)
         label = f"{label}, {axis}"
     scale, unit = _shown(result[name].attrs["units"])
-    return _Panel(values * scale, error * scale, f"{label}{unit}", log)
+    return _Panel(values * scale, error * scale, label, f"{name.replace('_', ' ')}{unit}", log)
 
 
 def _shown(unit: str) -> tuple[float, str]:
@@ -187,14 +222,14 @@ def _axis_of(values: xr.DataArray) -> tuple[Array, str, bool]:
     differences. Values that are not numbers are numbered.
     """
     if not _numeric(values):
-        return np.arange(values.size, dtype=float), str(values.name), False
+        return np.arange(values.size, dtype=float), named(str(values.name)), False
     scale, unit = _shown(values.attrs.get("units", ""))
     at = values.values * scale
     wide = bool(at.min() > 0 and at.max() / at.min() > _WIDE)
     if wide and at.size > 2:
         ratios = np.diff(np.log(np.sort(at)))
         wide = bool(np.ptp(ratios) < np.ptp(np.diff(np.sort(at))) / np.abs(at).max())
-    return at, f"{values.name}{unit}", wide
+    return at, f"{named(str(values.name))}{unit}", wide
 
 
 def _draw_map(axes: Axes, panel: _Panel, result: xr.Dataset, down: str, along: str) -> None:
@@ -217,7 +252,7 @@ def _draw_map(axes: Axes, panel: _Panel, result: xr.Dataset, down: str, along: s
         _edges(x, wide=x_wide), _edges(y, wide=y_wide), np.ma.masked_invalid(values), norm=norm,
         cmap=style.VALUES, rasterized=True,
     )  # fmt: skip
-    colorbar = axes.figure.colorbar(shown, ax=axes)
+    colorbar = axes.figure.colorbar(shown, ax=axes, label=panel.axis)
     outcome = result["outcome"].transpose(down, along).values
     _mark(axes, x, y, x_wide, y_wide, np.isnan(values), outcome)
     line = panel.line
@@ -316,7 +351,7 @@ def _draw_curves(
     positive = values[np.isfinite(values)]
     log = panel.log and positive.size and positive.min() > 0
     log = bool(log and (panel.top is not None or positive.max() / positive.min() > _WIDE))
-    axes.set(yscale="log" if log else "linear", xlabel=label)
+    axes.set(yscale="log" if log else "linear", xlabel=label, ylabel=panel.axis)
     if wide:
         axes.set(xscale="log")
         _number(axes.xaxis, x)
@@ -326,7 +361,7 @@ def _draw_curves(
         axes.axhline(panel.line, color=style.MUTED, lw=0.8, ls="--")
     axes.set_title(textwrap.fill(panel.label, _TITLE), parse_math=False)
     if names and axes is axes.figure.axes[0]:
-        title = ", ".join(map(str, _keys_of(result, names[0])))
+        title = ", ".join(named(key) for key in _keys_of(result, names[0]))
         axes.legend(title=title)
 
 

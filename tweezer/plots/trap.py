@@ -10,7 +10,7 @@ from matplotlib.patches import Circle
 
 from tweezer.dynamics import bound_once
 from tweezer.plots import style
-from tweezer.plots.scene import add_caveat, draw_cones, planes
+from tweezer.plots.scene import caveat_note, change_note, draw_cones, planes, title_of
 from tweezer.scene import Scene
 from tweezer.values.prefixes import per
 
@@ -49,9 +49,18 @@ def trap_figure(scene: Scene, trap: Trap) -> Figure:
     _draw_curve(axes["lateral"], scene, trap, "x")
     _draw_field(axes["field"], scene, trap)
     figure.align_ylabels([axes["axial"], axes["lateral"]])
+    style.add_letters([axes["axial"], axes["lateral"], axes["field"]])
+    style.add_title(figure, title_of(scene))
     power = f"{trap.power_through_pupil * per('mW'):.3g} mW through the pupil"
-    style.add_title(figure, scene.title, f"{power} · light and weight · {trap.evaluator}")
-    add_caveat(figure, scene)
+    told = [
+        f"{power}. Force of light and weight, by {trap.evaluator}. "
+        "Hollow points: escape forces; arrows: direction of the force; +: focus."
+    ]
+    if scene.lit:
+        told.append("Red lines: edges of the cone of light.")
+    if trap.equilibrium:
+        told.append("Dashed: stiffness at the equilibrium; circle: bead there.")
+    style.add_notes(figure, [change_note(scene), " ".join(told), caveat_note(scene)])
     return figure
 
 
@@ -109,7 +118,7 @@ def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
     colour = style.AXES[axis].colour
     axes.axhline(0, color=style.MUTED, lw=0.6)
     axes.axvline(0, color=style.LIGHT, lw=0.6, ls=":")
-    axes.plot(coordinates * per("um"), force, color=colour, zorder=3)
+    axes.plot(coordinates * per("um"), force, color=colour, lw=2.0, zorder=3)
     extent = _largest_shown(scene, trap, np.abs(force).max()) or 1.0
     axes.set(
         xlim=(-reach * per("um"), reach * per("um")), ylim=(-1.75 * extent, 1.75 * extent),
@@ -129,7 +138,7 @@ def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
     way = 0.8 * min(escape.force_at for escape in escapes) * np.array([-1, 1])
     axes.plot(
         (centre[along] + way) * per("um"), -stiffness * way * per("pN"),
-        color=style.MUTED, lw=0.9, ls="--", zorder=2, label=f"{stiffness * per('pN/um'):.3g} pN/µm",
+        color=style.INK, lw=1.0, ls="--", zorder=4, label=f"{stiffness * per('pN/um'):.3g} pN/µm",
     )  # fmt: skip
     axes.plot(centre[along] * per("um"), 0, "o", color=style.PATH, ms=4, zorder=4)
     for escape in escapes:
@@ -147,7 +156,7 @@ def _mark_escape(axes: Axes, escape: Escape, centre: float, colour: str) -> None
     axes.annotate(
         f"{escape.force * per('pN'):.3g} pN", place, xytext=(6 * outward, -4 * side),
         textcoords="offset points", ha="left" if outward > 0 else "right",
-        va="top" if side > 0 else "bottom", fontsize=style.SMALL, color=colour,
+        va="top" if side > 0 else "bottom", fontsize=style.SMALL, color=style.NOTE,
     )  # fmt: skip
 
 
@@ -173,7 +182,7 @@ def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
         lines = np.divide(force, size[..., None], out=np.full_like(force, np.nan), where=strong)
         axes.streamplot(
             x * per("um"), z * per("um"), lines[..., 0], lines[..., 2],
-            density=1.3, color="#444444", linewidth=0.6, arrowsize=0.8, zorder=2,
+            density=1.3, color=style.NOTE, linewidth=0.6, arrowsize=0.8, zorder=2,
         )  # fmt: skip
     else:
         axes.text(
@@ -205,4 +214,4 @@ def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
         xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal",
         xlabel="x (µm)", ylabel="z along the light (µm)",
     )  # fmt: skip
-    axes.set_title("force on a bead centred there; to scale; + focus")
+    axes.set_title("force on a bead centred there, to scale")
