@@ -453,7 +453,8 @@ def test_figure_of_one_axis(positions):
     at, density = spectrum.containers[0].lines[0].get_data()
     (curve,) = (line for line in spectrum.lines if line.get_label().startswith("x: "))
     fit = np.exp(np.interp(np.log(at), np.log(curve.get_xdata()), np.log(curve.get_ydata())))
-    np.testing.assert_allclose(ratios, density / fit, rtol=0.01)
+    seen = at < curve.get_xdata()[-1]
+    np.testing.assert_allclose(ratios[seen], (density / fit)[seen], rtol=0.01)
 
 
 def test_figure_of_a_record_too_short_to_show_a_trap(positions):
