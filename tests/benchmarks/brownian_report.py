@@ -1,6 +1,6 @@
 """The results of the benchmark of Brownian motion as tables, as a figure, and on its page.
 
-`python -m tests.benchmarks.brownian_report` writes its block and its figure anew from the
+`python -m tests.benchmarks.brownian_report` writes its block and its figure from the
 committed results.
 """
 
@@ -38,7 +38,7 @@ _RESOLVING = (Way("full", "euler-maruyama"), Way("full", "baoab"))
 
 
 def _bias(entry: dict[str, Any], key: str) -> str:
-    """In per cent, with its standard error to one digit."""
+    """Return a bias in percent with its standard error, which has one digit."""
     if f"{key}_bias" not in entry:
         return ""
     value, error = 100 * entry[f"{key}_bias"], 100 * entry[f"{key}_error"]
@@ -49,7 +49,7 @@ def _bias(entry: dict[str, Any], key: str) -> str:
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """By way, against NumPy, the rest, and what was not taken; the first row has the headings."""
+    """Return the tables of methods, NumPy, ensembles and omitted runs."""
     return [*_measured(results), pages.as_table(left_out(results))]
 
 
@@ -58,7 +58,7 @@ def _measured(results: Results) -> list[list[list[str]]]:
 
 
 def _by_part(results: Results) -> list[list[list[str]]]:
-    """ns of a bead's step by its parts, where they were taken."""
+    """Return the table of the times of a step and its parts, if they were measured."""
     if "parts" not in results:
         return []
     heading = ["one step of a bead and its parts, one core, shortest time", "ns"]
@@ -66,7 +66,7 @@ def _by_part(results: Results) -> list[list[list[str]]]:
 
 
 def _by_way(results: Results) -> list[list[str]]:
-    """Rates, and biases at the step of the headline; the first row is that of the headings."""
+    """Return the table of rates, and of biases at the step of the headline."""
     names = [name for name in results["wells"] if name != HARMONIC]
     found = {
         (way_of(entry), name): entry
@@ -87,7 +87,7 @@ def _by_way(results: Results) -> list[list[str]]:
 
 
 def _against_numpy(results: Results) -> list[list[str]]:
-    """What Euler-Maruyama costs for the same error; the first row is that of the headings."""
+    """Return the table of Euler-Maruyama's cost for the same error."""
     table = [
         ["tweezer: scheme, well, step in trap times", "error of ⟨x²⟩, %",
          "Euler-Maruyama's step, velocity relaxation times", "its error of ⟨v²⟩, %",
@@ -110,7 +110,7 @@ def _against_numpy(results: Results) -> list[list[str]]:
 
 
 def _apart(results: Results) -> list[list[str]]:
-    """Ensembles, and the first step; the first row is that of the headings."""
+    """Return the table of ensembles and of the first step in a new process."""
     lines = [["ensembles with statistics; first step", ""]]
     for key, what in (
         ("two_threads_over_one", "two threads / one"),
@@ -137,7 +137,7 @@ def _apart(results: Results) -> list[list[str]]:
 
 
 def left_out(results: Results) -> list[str]:
-    """What failed or was not taken, by reason and well, as a list; steps are in trap times."""
+    """Return a list of runs that failed or were omitted, by reason and well."""
     steps: dict[tuple[str, str, str], list[str]] = {}
     for each in results["left_out"]:
         where, _, what = each["what"].rpartition(": ")
@@ -153,7 +153,7 @@ def left_out(results: Results) -> list[str]:
 
 @style.styled
 def figure(results: Results) -> Figure:
-    """Rates; biases in the mild well against step and cost, with their sampling floor."""
+    """Draw the rates, and the biases in the mild well against step and cost."""
     drawn = style.new(style.PAGE, 7.4)
     panels = drawn.subplots(3, 2).reshape(2, 3)
     entries = results["wells"][MILD]
@@ -195,7 +195,7 @@ def _draw_rates(axes: Axes, rates: list[dict[str, Any]]) -> None:
 
 
 def _draw(axes: Axes, entries: list[dict[str, Any]], key: str, against: str) -> None:
-    """Size of the bias; where it is within two standard errors of 0, hollow, at these.
+    """Draw the size of the bias, or a hollow mark at two standard errors if it is smaller.
 
     Dashed: the median of two standard errors of what takes steps longer than tau.
     """
@@ -232,7 +232,7 @@ def _draw(axes: Axes, entries: list[dict[str, Any]], key: str, against: str) -> 
 
 
 def _draw_baseline(axes: Axes, results: Results) -> None:
-    """Euler and Maruyama's method in a harmonic trap, whose bias is known, as a user writes it."""
+    """Draw Euler-Maruyama in NumPy in a harmonic trap, where its bias is known."""
     bias, trap = results["baseline"]["euler_maruyama_harmonic"], results["trap"]
     steps = np.array(bias["steps_relaxation_times"]) * trap["relaxation_time_s"]
     for name, line in (("table", "-"), ("closed form", ":")):

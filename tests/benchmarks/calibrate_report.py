@@ -25,7 +25,7 @@ METHODS = {
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """Of cameras, and of disturbed records; the first row of each is that of the headings."""
+    """Return the tables of cameras and of disturbed recordings."""
     headings = ["without finding, %", *METHODS.values(), "missed without finding"]
     told = [each for each in results["cameras"] if each not in blind(results)]
     cameras = [
@@ -40,7 +40,7 @@ def tables(results: Results) -> list[list[list[str]]]:
 
 
 def blind(results: Results) -> list[Results]:
-    """Records that are exposed, which the calibration is not told."""
+    """Return the studies of exposed recordings whose exposure is not given."""
     return [each for each in results["cameras"] if each["exposure"] and not each["exposure_given"]]
 
 
@@ -70,7 +70,7 @@ def _row(of: Results) -> list[str]:
 
 
 def _coverage(of: Results | None) -> str:
-    """In % of the numbers without a finding; in brackets how many these are."""
+    """Return the coverage of results without a finding in percent, and their number."""
     if of is None:
         return ""
     if not of["unmarked"]:
@@ -93,7 +93,7 @@ def speed(results: Results) -> list[list[str]]:
 
 
 def pooled(studies: list[Results]) -> dict[str, tuple[int, int]]:
-    """By method: numbers without a finding, and those of them whose interval holds the truth."""
+    """Return, by method, the results without a finding and those that contain the true value."""
     found: dict[str, tuple[int, int]] = {}
     for method in METHODS:
         own = [each["methods"][method] for each in studies if method in each["methods"]]
@@ -105,7 +105,7 @@ def pooled(studies: list[Results]) -> dict[str, tuple[int, int]]:
 
 
 def groups(results: Results) -> dict[str, list[Results]]:
-    """Studies that are pooled for the figure."""
+    """Return the studies that are pooled for the figure."""
     cameras, disturbed = results["cameras"], results["disturbed"]
     return {
         "cameras, exposure given": [each for each in cameras if each["exposure_given"]],
@@ -117,7 +117,7 @@ def groups(results: Results) -> dict[str, list[Results]]:
 
 @style.styled
 def figure(results: Results) -> Figure:
-    """Coverage of what carries no finding, by method."""
+    """Draw the coverage of results without a finding, by method."""
     drawn = style.new(style.PAGE, 3.0)
     axes = drawn.subplots()
     for i, studies in enumerate(groups(results).values()):

@@ -1,4 +1,4 @@
-"""The results of the benchmark of what a camera saw as a table, as a figure, and on their page.
+"""Results of the benchmark of camera images as a table, as a figure, and on their page.
 
 `python -m tests.benchmarks.camera_report` writes block and figure from the committed results.
 """
@@ -17,7 +17,7 @@ from tweezer.plots import style
 
 
 def pooled(study: Results) -> dict[str, tuple[int, int]]:
-    """By method: numbers of all axes without a finding, and those whose interval is right."""
+    """Return, by method, the results without a finding and those that contain the true value."""
     found = {}
     for method in METHODS:
         own = [each for each in study["numbers"] if each["by"].endswith(f", {method}")]
@@ -34,7 +34,7 @@ def _named(study: Results) -> str:
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """One; its first row is that of the headings."""
+    """Return the table of coverage by method."""
     rows = []
     for study in results["studies"]:
         own = pooled(study)
@@ -50,7 +50,7 @@ def tables(results: Results) -> list[list[list[str]]]:
 
 @style.styled
 def figure(results: Results) -> Figure:
-    """Coverage of what carries no finding, by method."""
+    """Draw the coverage of results without a finding, by method."""
     drawn = style.new(style.PAGE, 3.0)
     axes = drawn.subplots()
     for i, study in enumerate(results["studies"]):

@@ -14,7 +14,7 @@ from tests.benchmarks.commands import FIRST_PAGE, FIRST_RUN, Results
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """What was measured; the first row is that of the headings."""
+    """Return the tables of commands alone and of commands in order."""
     alone = [
         [
             each["command"], *(f"{each[key]:.2g}" for key in _TIMES),
@@ -38,7 +38,7 @@ _TIMES = ("cold_cpu_s", "cold_wall_s", "warm_cpu_s", "warm_wall_s")
 
 
 def figure(results: Results) -> Figure:
-    """Processor time of each command, cold and warm."""
+    """Draw the processor time of each command, cold and warm."""
     commands = results["commands"][::-1]
     drawn = Figure(figsize=(7.0, 0.6 + 0.3 * len(commands)), layout="constrained")
     axes = drawn.subplots()

@@ -13,7 +13,7 @@ from tweezer.plots import style
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """By bead, and by camera; the first row of each is that of the headings."""
+    """Return the tables by bead and by camera."""
     beads = [
         ["tracks", "frames per second", "noise, nm", "coverage, %", "where determined, %",
          "bias, nm", "interval, nm", "bias / interval", "median interval, nm", "not determined",
@@ -62,7 +62,7 @@ def _coverage(of: Results) -> str:
 
 @style.styled
 def figure(results: Results) -> Figure:
-    """Coverage of each bead; the interval against the noise, for each frame rate."""
+    """Draw the coverage of each bead, and the interval against the noise."""
     drawn = style.new(style.PAGE, 3.3)
     coverage, length = drawn.subplots(1, 2)
     for i, each in enumerate(results["beads"]):

@@ -48,7 +48,7 @@ def tables(results: Results) -> list[list[list[str]]]:
 
 
 def _least(results: Results) -> list[list[str]]:
-    """Least powers of some sizes, mW."""
+    """Return the rows of minimum powers of some sizes, mW."""
     diameters = np.array(results["diameters_m"])
     nearest = {int(np.abs(np.log(diameters / (1e-6 * size))).argmin()) for size in SHOWN}
     rows = []
@@ -76,14 +76,14 @@ def _against_ensemble(each: Results) -> list[str]:
 
 
 def off(each: Results) -> float:
-    """Distance of the ensemble's time from the lifetime, in standard deviations of both."""
+    """Return the deviation of the ensemble's time from the lifetime, in standard deviations."""
     error = math.hypot(each["ensemble_error_s"], each["lifetime_error_s"])
     return float((each["ensemble_s"] - each["lifetime_s"]) / error)
 
 
 @style.styled
 def figure(results: Results) -> Figure:
-    """Depth of the traps over size and power, and the least powers, of each material."""
+    """Draw the trap depth over size and power, and the minimum powers, for each material."""
     drawn = style.new(style.PAGE, 3.4)
     panels = drawn.subplots(1, 2, sharex=True, sharey=True)
     colours: Any = None
@@ -108,7 +108,7 @@ def figure(results: Results) -> Figure:
 
 
 def _depths(panel: Axes, results: Results, found: Results) -> Any:
-    """Colours of the depth; grey where nothing is trapped."""
+    """Draw the depth in colours, and grey where nothing is trapped."""
     depth = np.array(found["depth_kT"]).T
     held = np.isin(np.array(found["outcome"]).T, TRAPPED)
     panel.axhspan(min(results["powers_W"]), max(results["powers_W"]), color="0.8", lw=0)
@@ -171,7 +171,7 @@ def block(results: Results) -> str:
 
 
 def write_numbers(results: Results) -> None:
-    """The least powers with their errors, as a file."""
+    """Write the minimum powers with their errors to a file."""
     with NUMBERS.open("w", encoding="utf-8", newline="") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(["material", "diameter_um", "held_for", "least_power_mW", "error_mW"])

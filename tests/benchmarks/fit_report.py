@@ -15,7 +15,7 @@ from tweezer.plots import style
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """A row for each key of each study; the first row is that of the headings."""
+    """Return the table with a row for each key of each study."""
     headings = [
         "recordings; key", "coverage, %", "covered, of the determined", "bias, %",
         "bias, standard uncertainties", "half interval, %",
@@ -38,7 +38,7 @@ def tables(results: Results) -> list[list[list[str]]]:
 
 @style.styled
 def figure(results: Results) -> Figure:
-    """Coverage of each key, with its own 95 % interval."""
+    """Draw the coverage of each key, with its own 95 % interval."""
     drawn = style.new(style.PAGE, 2.6)
     axes = drawn.subplots()
     names = []

@@ -96,7 +96,7 @@ def _told(runs: list[Results], low: float, high: float) -> list[str]:
 
 @style.styled
 def figure(results: Results) -> Figure:
-    """Errors against the number of poles: of the modes, and of captures."""
+    """Draw the errors of modes and of captures against the number of poles."""
     drawn = style.new(style.PAGE, 2.9)
     left, right = drawn.subplots(1, 2, sharex=True)
     poles = [each["poles"] for each in results["modes"]]
@@ -120,7 +120,7 @@ def figure(results: Results) -> Figure:
 
 
 def written(results: Results) -> str:
-    """The block of the page."""
+    """Return the block of the page."""
     lines = pages.tables(tables(results))
     lines.append(f"The reported errors were measured at commit {results['told']['commit']}.")
     return pages.block("fluid", lines, results["machine"])

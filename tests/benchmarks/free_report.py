@@ -31,7 +31,7 @@ def _share(study: Results, key: str, each: int) -> tuple[int, int]:
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """One; its first row is that of the headings."""
+    """Return the table of coverage by study."""
     rows = [
         [
             _named(study),
@@ -60,7 +60,7 @@ def _shares(study: Results) -> list[tuple[int, int]]:
 
 @style.styled
 def figure(results: Results) -> Figure:
-    """Coverage, by study."""
+    """Draw the coverage by study."""
     drawn = style.new(style.PAGE, 3.0)
     axes = drawn.subplots()
     for i, study in enumerate(results["studies"]):

@@ -22,7 +22,7 @@ QUANTITIES = ("stiffness", "drag", "m/V")
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """Of each kind of records; the first row of each is that of the headings."""
+    """Return a table for each kind of recordings."""
     headings = ["coverage, %", "bias, sd", "bias, %", "+-, %"]
     return [
         [
@@ -49,7 +49,7 @@ def tables(results: Results) -> list[list[list[str]]]:
 
 
 def _rows(results: Results, kind: str, wanted: Callable[[str], bool]) -> list[list[str]]:
-    """Numbers of records of one kind; of volts only what metres do not tell."""
+    """Return the rows of one kind of recordings; in volts only the sensitivity."""
     told = []
     for study in results["studies"]:
         for each in study["numbers"] if study["kind"] == kind else []:
@@ -75,7 +75,7 @@ def _inside(each: Results) -> str:
 
 
 def pooled(results: Results, kind: str, wanted: Callable[[str, str], bool]) -> tuple[int, int]:
-    """How many numbers there are, and how many intervals hold the truth.
+    """Return the number of results, and of intervals that contain the true value.
 
     wanted: of the way and the quantity.
     """
@@ -91,7 +91,7 @@ def pooled(results: Results, kind: str, wanted: Callable[[str, str], bool]) -> t
 
 @style.styled
 def figure(results: Results) -> Figure:
-    """Coverage of stiffness, drag and metres a volt against the gap, of x and z."""
+    """Draw the coverage of stiffness, drag and sensitivity against the gap, for x and z."""
     drawn = style.new(style.PAGE, 2.8)
     panels = drawn.subplots(1, 3, sharex=True, sharey=True)
     for panel, quantity in zip(panels, QUANTITIES, strict=True):
@@ -134,7 +134,7 @@ _LONG = {"stiffness": "stiffness", "drag": "drag", "m/V": "displacement sensitiv
 
 
 def block(results: Results) -> str:
-    """Its part of the page, between its markers."""
+    """Return the block: the recordings, pooled coverage and the tables of each kind."""
     steady = next(study for study in results["studies"] if study["kind"] == "steady")
     fluid = next(study for study in results["studies"] if study["kind"] == "fluid")
     series = next(study for study in results["studies"] if study["kind"] == "series")

@@ -1,4 +1,4 @@
-"""The results of the benchmark of fast records as tables, as a figure, and on their page.
+"""The results of the benchmark of fast recordings as tables, as a figure, and on their page.
 
 `python -m tests.benchmarks.hydro_report` writes block and figure from the committed results.
 """
@@ -23,7 +23,7 @@ NAMES = {
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """Of each kind of records; the first row of each is that of the headings."""
+    """Return a table for each kind of recordings."""
     studies = results["studies"]
     headings = ["coverage, %", "bias, sd", "bias, %", "+-, %"]
     passive = [study for study in studies if study["kind"] == "passive"]
@@ -67,7 +67,7 @@ def _inside(each: Results) -> str:
 
 
 def _pooled_rows(studies: list[Results]) -> list[list[str]]:
-    """Of the methods in metres."""
+    """Return the rows of the methods in metres, over all studies."""
     every: dict[tuple[str, str], list[Results]] = {}
     for study in studies:
         for each in study["numbers"]:
@@ -83,7 +83,7 @@ def _pooled_rows(studies: list[Results]) -> list[list[str]]:
 
 
 def _rows(study: Results) -> list[list[str]]:
-    """Of a detector, or of a stage."""
+    """Return the rows of a study with a detector or a stage."""
     told = []
     for each in study["numbers"]:
         quantity, by = (NAMES.get(each[name], each[name]) for name in ("quantity", "by"))
@@ -98,7 +98,7 @@ def _rows(study: Results) -> list[list[str]]:
 
 
 def pooled(results: Results, kind: str, by: str, quantity: str | None = None) -> tuple[int, int]:
-    """How many numbers there are, and how many intervals hold the truth."""
+    """Return the number of results, and of intervals that contain the true value."""
     numbers = [
         each
         for study in results["studies"]
@@ -111,7 +111,7 @@ def pooled(results: Results, kind: str, by: str, quantity: str | None = None) ->
 
 @style.styled
 def figure(results: Results) -> Figure:
-    """Bias of stiffness and sensitivity in volts, in standard uncertainties, and coverage."""
+    """Draw the bias and the coverage of stiffness and sensitivity in volts."""
     drawn = style.new(style.PAGE, 4.2)
     panels = drawn.subplots(2, 2, sharex=True)
     studies = [study for study in results["studies"] if study["kind"] == "passive"]

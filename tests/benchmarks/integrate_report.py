@@ -1,6 +1,6 @@
 """The results of the integration benchmark as tables, as a figure, and on its page.
 
-`python -m tests.benchmarks.integrate_report` writes its block and its figure anew from the
+`python -m tests.benchmarks.integrate_report` writes its block and its figure from the
 committed results.
 """
 
@@ -48,7 +48,7 @@ _COLUMNS = 4
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """A table for each motion, and what was not taken; the first row is that of the headings."""
+    """Return a table for each motion, and a table of omitted runs."""
     entries = [
         [
             [label, "tolerance", "error before, µm", "in the trap, µm", "ms", "force calls"],
@@ -67,7 +67,7 @@ def tables(results: Results) -> list[list[list[str]]]:
 
 
 def converged(entries: list[dict[str, Any]], model: str) -> dict[str, Any]:
-    """The run of a model at DOP853's tightest tolerance, whose error is the model's own."""
+    """Return the run with DOP853's tightest tolerance, whose error is the model's own."""
     return min(
         (each for each in entries if (each["model"], each["method"]) == (model, "dop853")),
         key=lambda each: each["tolerance"],
@@ -82,7 +82,7 @@ def _setting(entry: dict[str, Any]) -> str:
 
 @style.styled
 def figure(results: Results) -> Figure:
-    """Error in the trap against time for each motion, and against force calls for some."""
+    """Draw the error in the trap against time for each motion, and for some against force calls."""
     motions = {label: of for label, of in results["motions"].items() if "quadrature" not in label}
     by_calls = [label for label, of in motions.items() if "least_force_calls" in of][:_COLUMNS]
     panels = [(label, "ms") for label in motions] + [(label, "force_calls") for label in by_calls]
@@ -164,7 +164,7 @@ def block(results: Results) -> str:
 
 
 def _own(results: Results) -> list[tuple[str, ...]]:
-    """Rows of the exponential method's own table."""
+    """Return the rows of the exponential method's own table."""
     rows = []
     for label, of in results["headline"].items():
         agree = f"{of['solvers_agree_to_um']:.1e}" if "solvers_agree_to_um" in of else ""
@@ -191,7 +191,7 @@ def _times_slower(of: dict[str, Any] | None) -> str:
 
 
 def left_out(results: Results) -> list[str]:
-    """What was not taken, by reason and motion, as a list."""
+    """Return a list of omitted runs, by reason and motion."""
     grouped: dict[str, dict[str, list[str]]] = {}
     for each in results["left_out"]:
         scaled = f", a2 = {each['scaling_factor']:.2g}" if "scaling_factor" in each else ""

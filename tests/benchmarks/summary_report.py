@@ -28,7 +28,7 @@ BEADS = ("thesis-1950nm", "thesis-990nm", "thesis-500nm")
 
 
 def headline(force: Results, integration: Results, brownian: Results) -> str:
-    """The README's block: one row for a figure."""
+    """Return the README's block, with one row for each headline figure."""
     inside, edge = (force["headline"]["by_place"][kind] for kind in ("inside", "edge"))
     map_ns, map_error = (
         max(of[key] for of in force["headline"]["by_place"].values() if key in of)
@@ -274,7 +274,7 @@ _SUBJECTS: dict[str, tuple[str, str, Callable[[Results], str]]] = {
 
 
 def models(integration: Results) -> str:
-    """The block of docs/models.md: the error of each model, and what that took."""
+    """Return the block with the error and the cost of each model."""
     table = [
         (
             f"{label.removesuffix(_OF_THE_THESIS)}, {named}",
@@ -290,7 +290,7 @@ def models(integration: Results) -> str:
 
 
 def _own_errors(entries: list[dict[str, Any]]) -> list[tuple[str, dict[str, Any]]]:
-    """The most exact run of the full model, the models' own errors, and every scaling factor."""
+    """Return the most exact full run, the other models' own errors, and all scaling factors."""
     exact = min(
         (each for each in entries if (each["model"], each["method"]) == ("full", "exponential")),
         key=lambda each: each["during_um"],
@@ -309,7 +309,7 @@ def _own_errors(entries: list[dict[str, Any]]) -> list[tuple[str, dict[str, Any]
 
 
 def beads() -> str:
-    """The table of the thesis's three beads in docs/models.md; runs them."""
+    """Simulate the thesis's three beads and return the block with their table."""
     rows = []
     for name in BEADS:
         scene = tweezer.load_scene(name)

@@ -12,14 +12,14 @@ from matplotlib.figure import Figure
 from tests.benchmarks import pages
 from tests.benchmarks.view import Results
 
-#: Load average from which on times are not those of an idle machine
+#: Load average above which the times do not represent an idle machine
 BUSY = 1.0
-#: Frames a second that look like motion
+#: Frames per second that look smooth
 SMOOTH = 30
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """What was measured; the first row is that of the headings."""
+    """Return the table of pages."""
     rows = [
         [each["page"], f"{each['megabytes']:.3g}", f"{each['written_s']:.2g}",
          f"{each['frames_per_s']:.3g}", f"{each['frame_cpu_ms']:.3g}",
@@ -33,7 +33,7 @@ def tables(results: Results) -> list[list[list[str]]]:
 
 
 def figure(results: Results) -> Figure:
-    """Frames a second of each page."""
+    """Draw the frames per second of each page."""
     drawn = Figure(figsize=(6.5, 1.8), layout="constrained")
     axes = drawn.subplots()
     shown = results["pages"][::-1]

@@ -20,7 +20,7 @@ _WALLS = {"none": "no wall", "one": "a wall", "two": "two walls"}
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """Biases, passages, inertia, step rates; the first row of each is its headings."""
+    """Return the tables of biases, passages, inertia and step rates."""
     bias = [
         _biases(results, key, heading)
         for key, heading in (
@@ -73,7 +73,7 @@ def _with_error(value: float, error: float) -> str:
 
 @style.styled
 def figure(results: Results) -> Figure:
-    """Biases of the mean gap against the step, and with inertia."""
+    """Draw the biases of the mean gap against the step, and with inertia."""
     drawn = style.new(style.PAGE, 2.9)
     left, right = drawn.subplots(1, 2)
     steps = sorted({each["step"] for each in results["bias"]})
@@ -106,7 +106,7 @@ def figure(results: Results) -> Figure:
 
 
 def written(results: Results) -> str:
-    """The block of the page."""
+    """Return the block of the page."""
     return pages.block("wall", pages.tables(tables(results))[:-1], results["machine"])
 
 

@@ -152,7 +152,7 @@ def _others(waves: Results) -> list[list[str]]:
 
 
 def beyond(waves: Results) -> str:
-    """Return a sentence on errors above the tolerance, or "" if there are none."""
+    """Return a sentence on errors above the tolerance, or "" without such errors."""
     found = [
         f"{size['diameter_um']:g} µm ({band})"
         for size in waves["sizes"]
@@ -186,7 +186,7 @@ def block(results: Results) -> str:
 
 
 def draw(panels: Iterable[Axes], waves: Results) -> None:
-    """Three panels: error against time by size, time against size, and the map's times."""
+    """Draw error against time by size, time against size, and the map's times."""
     by_tolerance, by_size, of_map = panels
     diameters = [size["diameter_um"] for size in waves["sizes"]]
     for i, size in enumerate(waves["sizes"]):
@@ -234,5 +234,5 @@ def draw(panels: Iterable[Axes], waves: Results) -> None:
 
 
 def _two(value: float) -> str:
-    """Two digits."""
+    """Return a number with two digits."""
     return f"{float(f'{value:.1e}'):g}"
