@@ -279,8 +279,8 @@ def compare(a: Given, b: Given) -> Comparison:
         first, second = _stiffnesses(first, second), _stiffnesses(second, first)
     if first.kind != second.kind:
         raise ResultError(
-            f"{names[0]} is of the kind {first.kind}, {names[1]} of the kind {second.kind}: they "
-            "cannot be compared"
+            f"{names[0]} is of kind {first.kind}, and {names[1]} of kind {second.kind}; only "
+            "results of the same kind can be compared"
         )
     if first.over != second.over:
         raise ResultError(f"{names[0]} and {names[1]}: are swept over other keys or values")
@@ -290,7 +290,7 @@ def compare(a: Given, b: Given) -> Comparison:
         here, there = (_off(*each) for each in ((here, first), (there, second)))
     common = [name for name in here.numbers if name in there.numbers]
     if not common:
-        raise ResultError(f"{names[0]} and {names[1]}: have no trusted quantity in common")
+        raise ResultError(f"{names[0]} and {names[1]}: have no quantity without findings in common")
     statistical = first.statistical
     apart = {
         name: _apart(name, here.numbers[name], there.numbers[name], statistical) for name in common
@@ -326,12 +326,12 @@ def _check_left(
     """
     told = words and any(word not in (FAILED, MISSING) for word in words.values())
     if not told and not any(each.had.any() for each in apart.values()):
-        raise ResultError(f"{' and '.join(names)}: cannot be compared: they hold no number")
+        raise ResultError(f"{' and '.join(names)}: cannot be compared: they contain no number")
     empty = [name for name, each in apart.items() if each.had.any() and not each.known.any()]
     if empty and not same:
         raise ResultError(
-            f"{' and '.join(names)}: cannot be compared: no number with a known error in both is "
-            f"left of {', '.join(empty)}"
+            f"{' and '.join(names)}: cannot be compared: both lack a number with a known "
+            f"error for {', '.join(empty)}"
         )
 
 
@@ -387,7 +387,7 @@ def _notes(
     if of.statistical and not same:
         yield (
             "the largest difference of each quantity, and its standard error; results of the same "
-            f"statistics are told to differ in at most {100 * FALSE_ALARM:g} % of such comparisons"
+            f"statistics are found to differ in at most {100 * FALSE_ALARM:g} % of such comparisons"
         )
     elif not same:
         yield "the largest difference of each quantity, and the sum of both errors there"
@@ -415,7 +415,7 @@ def _apart(name: str, a: Numbers, b: Numbers, statistical: bool) -> _Apart:
     """
     if a.values.shape != b.values.shape:
         raise ResultError(
-            f"{name}: is of the shape {a.values.shape} in one, {b.values.shape} in the other"
+            f"{name}: has the shape {a.values.shape} in one result, {b.values.shape} in the other"
         )
     with np.errstate(invalid="ignore"):
         apart = np.abs(a.values - b.values)
@@ -610,7 +610,7 @@ def _of_run(name: str, run: xr.Dataset, about: dict[str, Any]) -> Source:
             held = places[np.isfinite(places).all(axis=1)]
             lost = len(places) - len(held)
             if not len(held):
-                raise ResultError(f"{name}: holds no position")
+                raise ResultError(f"{name}: contains no position")
             left_out = f"{lost} of {len(places)} samples are left out, for they hold no position"
             moments, independent = _moments_in_time(held, times[1] - times[0])
             few = (
@@ -687,7 +687,7 @@ def _of_ensemble(name: str, runs: xr.Dataset, about: dict[str, Any]) -> Source:
     if np.isnan(runs["lost_time"].values).any():
         raise ResultError(f"{name}: is not complete")
     if (n := len(lost)) < _INDEPENDENT:
-        raise ResultError(f"{name}: has {n} trajectories; a comparison needs {_INDEPENDENT}")
+        raise ResultError(f"{name}: has {n} trajectories; a comparison requires {_INDEPENDENT}")
 
     def found(at: NDArray[np.int64]) -> Found:
         """Return the moments at these indices of time, and the lost fraction, with standard errors.
@@ -913,7 +913,9 @@ def _stiffnesses(one: Source, other: Source) -> Source:
         temperature = one.about.get("medium.temperature")
         trap, numbers = found.numbers.get("stiffness"), {}
         if trap is None:
-            raise ResultError(f"{one.name}: has no equilibrium, so no stiffness to compare")
+            raise ResultError(
+                f"{one.name}: has no equilibrium, and therefore no stiffness to compare"
+            )
         for name in estimates:
             axis = "xyz".index(name.removeprefix("stiffness ")[0])
             one_axis = slice(axis, axis + 1)

@@ -83,11 +83,11 @@ REFUSED: dict[str, tuple[list[str], str, Follow]] = {
         lambda words, said: replaced(words, "1 um", f"{float(said[1]) + 1e-6} um"),
     ),
     "seed without noise": (
-        ["run", *FREE, "--seed", "3"], r"is for (forces\.brownian = true)",
+        ["run", *FREE, "--seed", "3"], r"requires (forces\.brownian = true)",
         lambda words, said: [*words, "--set", said[1].replace(" ", "")],
     ),
     "setting given twice": (
-        ["run", *FREE, "--set", "simulation.duration=2 us"], r"set twice, by --set too$",
+        ["run", *FREE, "--set", "simulation.duration=2 us"], r"set twice, also by --set$",
         lambda words, said: without(words, "--duration"),
     ),
     "setting without a value": (

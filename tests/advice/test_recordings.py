@@ -73,12 +73,12 @@ ADVICE = {
     "columns have numbers too": Read(table("t,x [um],x [um]", TIMES, X, Y),
                                      {"columns": "x=x [um]"}),
     "no column is called": Read(table("t,x [um]", TIMES, X), {"columns": "x=place"}, "no column"),
-    "length of one": Read(table("t,x_px", TIMES, X), {}, "scale = '... nm'"),
-    "leave it out": Read(table("t,x [um]", TIMES, X), {"scale": "1 nm"}),
-    "leave out --rate": Read(table("t,x [um]", TIMES, X), {"rate": "100 Hz"}),
-    "off those of --rate": Read(table("t,x [um]", TIMES + 0.9 * STEP * (ROWS % 2), X),
+    "length of a pixel": Read(table("t,x_px", TIMES, X), {}, "scale = '... nm'"),
+    "omit it": Read(table("t,x [um]", TIMES, X), {"scale": "1 nm"}),
+    "omit --rate": Read(table("t,x [um]", TIMES, X), {"rate": "100 Hz"}),
+    "deviate from those of --rate": Read(table("t,x [um]", TIMES + 0.9 * STEP * (ROWS % 2), X),
                                 {"rate": "1 kHz"}, "no column is called '...'"),
-    "its clock goes back": Read(table("t,x [um]", SET_BACK, X)),
+    "its clock runs backwards": Read(table("t,x [um]", SET_BACK, X)),
     "stamps repeat": Read(table("t,x [um]", np.floor(TIMES / 0.0025) * 0.0025, X)),
     "not in the order": Read(table("frame,x [um]", ROWS[SHUFFLED], X[SHUFFLED]),
                              {"columns": "x=x [um]", "rate": "1 kHz"}),
@@ -95,8 +95,8 @@ ADVICE = {
 }  # fmt: skip
 #: what the user decides, where a message has no option to take
 BY_HAND: dict[str, Callable[[str, Mapping[str, str]], dict[str, str]]] = {
-    "leave it out": lambda said, options: {},
-    "leave out --rate": lambda said, options: {},
+    "omit it": lambda said, options: {},
+    "omit --rate": lambda said, options: {},
     "name the others -": lambda said, options: {"columns": options["columns"] + ",-"},
     "is not in the column": lambda said, options: {"bead": said.split("one of ")[1][0]},
     "columns have numbers too": lambda said, options: {"columns": said.split('such as "')[1][:-1]},
@@ -167,15 +167,16 @@ DRIFT = 0.08 * TIMES / TIMES[-1]
 BEGIN = np.where(ROWS < 20, 1.5 * np.exp(-ROWS / 5), 0)
 #: finding: recording, the options that its text has, and with which option
 FINDINGS = {
-    "blur": (recording(*BLURRED[:1], y=BLURRED[1]), {}, r"averaged over some (\S+ ms)", "exposure"),
+    "blur": (recording(*BLURRED[:1], y=BLURRED[1]), {},
+             r"averaged over about (\S+ ms)", "exposure"),
     "noise": (recording(X + 0.03 * RNG.standard_normal(N)), {"exposure": 0.0},
               r"white noise of about (\S+ nm)", "noise"),
     "exposure": (recording(X[::5], 5 * STEP, Y[::5]), {}, r"exposure = (0)", "exposure"),
-    "drift": (recording(X + DRIFT), {"exposure": 0.0}, r"slower than (\S+ Hz)", "drift"),
+    "drift": (recording(X + DRIFT), {"exposure": 0.0}, r"rms below (\S+ Hz)", "drift"),
     "line": (recording(X + WAVE), {"exposure": 0.0}, r"oscillates at (\S+) Hz", "leave_out"),
     "rounded": (recording(np.round(X / 0.04) * 0.04), {"exposure": 0.0},
                 r'--noise "(.*)"', "noise"),
-    "start": (recording(X + BEGIN), {"exposure": 0.0}, r"leave out the (beginning)", "skip"),
+    "start": (recording(X + BEGIN), {"exposure": 0.0}, r"omit the (beginning)", "skip"),
 }  # fmt: skip
 
 
@@ -235,7 +236,7 @@ def test_the_advice_on_short_tracks_and_held_beads(tmp_path, command_line):
 
 
 def test_examples_in_refusals_are_accepted(tmp_path):
-    """The example after "such as" replaces the value that was refused."""
+    """The example in quotes replaces the value that was refused."""
     path = tmp_path / "a.csv"
     path.write_text(table("t [s],x_px", TIMES, X), encoding="utf-8")
     with pytest.raises(tweezer.ResultError) as refused:
@@ -244,7 +245,7 @@ def test_examples_in_refusals_are_accepted(tmp_path):
         assert isinstance(load_recording(path, scale=scale), tweezer.Recording)
     with pytest.raises(tweezer.ResultError) as refused:
         calibrate(recording(X), temperature=T, exposure=0.0, leave_out=["5"])
-    (band,) = re.findall(r'such as "(.*?)"', str(refused.value))
+    (band,) = re.findall(r'the form "(.*?)"', str(refused.value))
     assert calibrate(recording(X), temperature=T, exposure=0.0, leave_out=[band]).axes
 
 
@@ -273,7 +274,7 @@ def test_options_from_error_messages_lead_to_a_calibration(command_line, tmp_pat
         if outcome.code == 0:
             return
         assert len(outcome.err.splitlines()) == 1
-        if "must be one of them" in outcome.err:
+        if "omit one of them" in outcome.err:
             options = options[:-2]
             continue
         if "to fit 2 unknowns" in outcome.err:  # one height is no wall

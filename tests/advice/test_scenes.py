@@ -25,10 +25,10 @@ _MOST = 6
 #: what cannot be followed by program: nothing in the message is a value, and people decide
 DECIDED_BY_PEOPLE = re.compile(
     r"must be finite|must be a whole number|must be text$|must be a list|must have \d|must not|"
-    r"must be a section|must begin with|: missing|one is needed|not both$|"
+    r"must be a section|must begin with|: missing|one is required|give only one$|"
     r"must be a (complex )?number|no body has a moment|must start|must be nearer|"
-    r"must be across|must be larger|must be 0$|"
-    r"not beside layers|has \d+ entries|goes with drawn|"
+    r"must be perpendicular to|must be larger|must be 0$|"
+    r"cannot be combined with layers|has \d+ entries|must be given if drawn|"
     r"must be at z = 0|must reach|has no meaning as waves, and|"
     r"must be true or false$|must be convertible to K|has the wrong unit; must be a number"
 )
@@ -137,10 +137,10 @@ def follow(line: str, data: Data) -> bool:
         (r"must be less than [\w.]+ = ([\d.]+)", lambda m: put(data, key, 0.95 * float(m[1]))),
         (r"convertible to \w+(?: s|/\S+)?, such as (\w+)", lambda m: put(data, key, f"0.5 {m[1]}")),
         (r'or (?:text with a unit such as )?"([^"]+)"', lambda m: put(data, key, m[1])),
-        (r"(?:needs|is for) ([\w.]+) = true", lambda m: put(data, m[1], True)),
-        (r"needs (lens\.focal_length)", lambda m: put(data, m[1], "2 mm")),
-        (r"not both", lambda m: place(data, key)[0].pop(place(data, key)[1])),
-        (r"missing; the (\w+) (?:map|model) needs it",
+        (r"(?:needs|requires|is for) ([\w.]+) = true", lambda m: put(data, m[1], True)),
+        (r"requires (lens\.focal_length)", lambda m: put(data, m[1], "2 mm")),
+        (r"give only one$", lambda m: place(data, key)[0].pop(place(data, key)[1])),
+        (r"missing; the (\w+) (?:map|model) requires it",
          lambda m: put(data, key, {"numerical_aperture": 1.2, "focal_length": "2 mm"}.get(
              key.split(".")[1], 0.1))),
     )  # fmt: skip

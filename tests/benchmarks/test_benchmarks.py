@@ -253,9 +253,7 @@ def test_needs_a_checkout(command_line, tmp_path, monkeypatch):
     monkeypatch.setattr(cli.bench, "__file__", str(elsewhere))
     done = command_line("bench", "force")
     assert done.code == 2
-    assert done.err.strip().splitlines() == [
-        "bench: runs from a checkout of tweezer's sources, which this is not"
-    ]
+    assert done.err.strip().splitlines() == ["bench: requires a checkout of tweezer's sources"]
 
 
 def test_quick_run_of_the_integration(command_line, tmp_path):

@@ -452,20 +452,20 @@ def test_what_is_not_to_be_trusted_says_why():
     positions = trapped(step, samples, K, DRAG, None, T, 21)[0]
     noise = np.random.default_rng(1).standard_normal(samples)
     noisy = caveats(positions + 0.5 * math.sqrt(KT / K) * noise, step)
-    assert "not that of a trapped bead" in noisy["power spectrum"]
+    assert "disagrees with a trapped bead" in noisy["power spectrum"]
     wrong_drag = caveats(positions, step, drag=1.5 * DRAG)
-    assert all("that of 0.6" in caveat for caveat in wrong_drag.values())
+    assert all("implies 0.6" in caveat for caveat in wrong_drag.values())
     hot = caveats(positions, step, temperature=1.5 * T)
-    assert all("that of 1.5" in caveat for caveat in hot.values())
+    assert all("implies 1.5" in caveat for caveat in hot.values())
     # but where the drag is fitted nothing can tell
     assert not any(caveats(positions, step, temperature=1.5 * T, drag=None).values())
     short = caveats(positions[:200], step)
     assert all("relaxation times" in caveat for caveat in short.values())
     transient = positions.copy()
     transient[:30] += 40 * math.sqrt(KT / K) * np.exp(-0.1 * np.arange(30))
-    assert all("leave out the beginning" in caveat for caveat in caveats(transient, step).values())
+    assert all("omit the beginning" in caveat for caveat in caveats(transient, step).values())
     ringing = trapped(step, samples, K, DRAG, mass("ringing"), T, 22)[0]
-    assert "not that of a trapped bead" in caveats(ringing, step)["power spectrum"]
+    assert "disagrees with a trapped bead" in caveats(ringing, step)["power spectrum"]
     # sampled every 8 tau: the samples are independent and say nothing of time
     slow = trapped(8 * TAU, 2000, K, DRAG, None, T, 23)[0]
     said = caveats(slow, 8 * TAU, exposure=0.0)
@@ -489,10 +489,10 @@ def test_bad_numbers_are_refused():
     ):
         with pytest.raises(tweezer.ResultError, match=why):
             caveats(positions, TAU, **known)
-    with pytest.raises(tweezer.ResultError, match="needs the temperature"):
+    with pytest.raises(tweezer.ResultError, match="requires the temperature"):
         caveats(positions, TAU, temperature=None)
     for exposure in (-1e-6, 1.1 * TAU):
-        with pytest.raises(tweezer.ResultError, match="must be from 0 to the step"):
+        with pytest.raises(tweezer.ResultError, match="must be from 0 to the sampling"):
             caveats(positions, TAU, exposure=exposure)
 
 
@@ -710,13 +710,16 @@ def good_record(samples=20_000):
     [
         (
             lambda x, s: np.append(x[:-200], x[-200:] + np.linspace(0, 100, 200) * s),
-            "deviations off",
+            "deviations from the median",
         ),
-        (lambda x, s: np.append(x[:-40], x[-40:] + np.linspace(0, 20, 40) * s), "deviations off"),
+        (
+            lambda x, s: np.append(x[:-40], x[-40:] + np.linspace(0, 20, 40) * s),
+            "deviations from the median",
+        ),
         (lambda x, s: np.where(np.arange(x.size) == 9_000, 40 * s, x), "sample 9001 is"),
-        (lambda x, s: np.where(np.arange(x.size) < 5_000, x, 0.0), "the same number"),
-        (lambda x, s: np.minimum(x, 2 * s), "are the largest number"),
-        (lambda x, s: np.maximum(np.round(x / s, 1) * s, -2 * s), "are the smallest number"),
+        (lambda x, s: np.where(np.arange(x.size) < 5_000, x, 0.0), "its samples are equal"),
+        (lambda x, s: np.minimum(x, 2 * s), "samples equal the largest one"),
+        (lambda x, s: np.maximum(np.round(x / s, 1) * s, -2 * s), "samples equal the smallest one"),
         (lambda x, s: x + s * np.sin(np.arange(x.size) / 300), "it oscillates at 5.5 Hz"),
     ],
     ids=["escape", "short escape", "spike", "stuck", "clipped", "clipped and rounded", "line"],

@@ -82,7 +82,7 @@ def test_the_drag_at_a_height(gap):
     # it moves by 20 nm rms across the wall
     said = [remark.text for remark in found.axes[2].remarks]
     assert len(said) == (gap == 0.1)
-    assert all("of the gap: its drag is a mean over heights" in each for each in said)
+    assert all("of the gap, so its drag is a mean over heights" in each for each in said)
 
 
 def test_estimates_beside_a_wall_are_as_uncertain_as_they_say():
@@ -175,11 +175,11 @@ def test_a_run_beside_a_wall_has_the_drag_on_its_way():
 
 @pytest.mark.parametrize(
     ("known", "why"),
-    [({"wall": 600e-9, "radius": None}, "wall: needs the bead's radius too"),
+    [({"wall": 600e-9, "radius": None}, "wall: requires the bead's radius too"),
      ({"wall": 400e-9}, "wall = 4e-07: must be more than the bead's radius, 5e-07 m, by the size"),
-     ({"wall": "600 pixels"}, "wall = '600 pixels': has a unit that is not known"),
-     ({"wall": "1 um +- 20 nm +- 1 nm"}, "must be a height, perhaps with its uncertainty"),
-     ({"wall": (600e-9, 50e-9)}, "uncertainty must be from 0 to 0.3 of the gap; leave the wall"),
+     ({"wall": "600 pixels"}, "wall = '600 pixels': has an unknown unit"),
+     ({"wall": "1 um +- 20 nm +- 1 nm"}, "must be a height, optionally with its uncertainty"),
+     ({"wall": (600e-9, 50e-9)}, "uncertainty must be from 0 to 0.3 of the gap; omit the wall"),
      ({"wall": (600e-9, -1e-9)}, "uncertainty must be from 0 to 0.3 of the gap"),
      ({"wall": 1e-6, "radius": -1.0}, "radius = -1.0: must be positive")],
 )  # fmt: skip
@@ -215,7 +215,7 @@ def test_command_beside_a_wall(command_line):
     assert "along it: drag 13.06 ± 0.25 nN·s/m" in outcome.out
     outcome = command_line("calibrate", "mine.csv", *SAID, "--wall", "1 um")
     assert (outcome.code, outcome.err) == (
-        2, "mine.csv: --wall needs --radius and --viscosity\n"
+        2, "mine.csv: --wall requires --radius and --viscosity\n"
     )  # fmt: skip
     outcome = command_line(*asked, "--wall", "0.4 um")
     assert outcome.code == 2
@@ -320,11 +320,11 @@ def test_a_driven_axis_tells_the_drag_of_another():
 
 @pytest.mark.parametrize(
     ("wall", "axes", "why"),
-    [(0.7e-6, "x", "the drag of x, along the wall, is known from 1.5 radii on; leave out"),
-     (0.9e-6, "xz", "the drag of z, across the wall, is known from 2 radii on; leave out")],
+    [(0.7e-6, "x", "x .along the wall. is known only above 1.5 radii; omit"),
+     (0.9e-6, "xz", "z .across the wall. is known only above 2 radii; omit")],
 )  # fmt: skip
 def test_the_inertia_of_the_fluid_too_near_a_wall(wall, axes, why):
-    with pytest.raises(tweezer.ResultError, match=f"wall = .*: with the inertia .*{why}"):
+    with pytest.raises(tweezer.ResultError, match=f"wall = .*: with fluid inertia, .*{why}"):
         tweezer.calibrate(recording(1.0, 1, axes), wall=wall, **KNOWN, **FLUID)
 
 
@@ -391,8 +391,8 @@ def test_what_a_series_of_heights_does_not_tell_is_said(series):
     for wrong, places, why in (
         (calibrations, FOCUS[:3], "positions: must be 4 finite numbers, one for each recording"),
         (calibrations[:2], [0.0, math.nan], "positions: must be 2 finite numbers"),
-        ([volts], [0.0], "no recording measures the drag: it is in volts, or not trusted"),
-        ([heavy], [0.0], "without the inertia of the fluid: leave out its density"),
+        ([volts], [0.0], "no recording determines the drag; they are in volts, or have findings"),
+        ([heavy], [0.0], "without fluid inertia; omit the density of the fluid"),
     ):
         with pytest.raises(tweezer.ResultError, match=why):
             tweezer.find_wall(wrong, places, **bead)
@@ -419,7 +419,10 @@ def test_command_that_finds_the_wall(command_line):
     assert (outcome.code, outcome.err) == (0, "")
     assert "; it moves by 0." in outcome.out
     for more, why in (
-        (["--wall", "1 um"], "--wall gives what --focus finds; must be one of them"),
+        (
+            ["--wall", "1 um"],
+            "--wall: cannot be combined with --focus, which determines the wall; omit one of them",
+        ),
         (["--focal-shift", "some"], "--focal-shift 'some': must be a positive number, or fit"),
         (["--focal-shift", "-1"], "--focal-shift '-1': must be a positive number, or fit"),
     ):

@@ -161,7 +161,7 @@ def test_estimates_with_memory_are_as_uncertain_as_they_say():
             off = (without.fit.bead.drag - true.drag) / without.fit.drag_uncertainty
             assert abs(off) > 10
             assert all(
-                "the inertia of the fluid counts: is it given?" in estimate.caveat
+                "fluid inertia matters; give it" in estimate.caveat
                 for estimate in without.estimates
             )
     assert len(scores) == 7
@@ -172,7 +172,7 @@ def test_estimates_with_memory_are_as_uncertain_as_they_say():
 
 def test_the_inertia_of_a_fluid_needs_that_of_the_bead():
     x = recording(recorded(bead(500e-9, 2000.0, 1e-4), 1e-5, 500, 1)[0], 1e-5)
-    with pytest.raises(tweezer.ResultError, match="needs the bead's mass too"):
+    with pytest.raises(tweezer.ResultError, match="requires the bead's mass too"):
         tweezer.calibrate(x, temperature=T, displaced_mass="0.5 pg")
     with pytest.raises(tweezer.ResultError, match=r"displaced_mass = -1.*must be positive"):
         tweezer.calibrate(x, temperature=T, mass=1e-15, displaced_mass=-1.0)
@@ -197,7 +197,7 @@ def test_command_with_the_inertia_of_the_fluid(command_line):
     assert written["mass"] == pytest.approx(true.mass)
     assert written["displaced_mass"] == pytest.approx(true.displaced_mass)
     outcome = command_line("calibrate", "mine.csv", *KNOWN, *densities[2:])
-    assert (outcome.code, outcome.err) == (2, "mine.csv: --fluid-density needs --density\n")
+    assert (outcome.code, outcome.err) == (2, "mine.csv: --fluid-density requires --density\n")
 
 
 #: exposure (s), f_3 (Hz) and a
@@ -305,7 +305,7 @@ def test_what_a_record_does_not_determine_is_said():
     assert all(each.value is None and each.uncertainty is None for each in found.detector)
     said = " ".join(finding.text for finding in found.remarks)
     for what in ("the exposure", "the frequency of a diode", "white noise: below"):
-        assert f"the record does not determine {what}" in said
+        assert f"the recording does not determine {what}" in said
     assert not found.findings
     assert abs(found.estimates[0].stiffness - TRUE.stiffness) < 4 * found.estimates[0].uncertainty
 
@@ -328,7 +328,7 @@ def test_a_record_in_volts_with_a_known_drag():
     for estimate in axis.estimates:
         assert not estimate.caveat
         assert abs(estimate.stiffness - TRUE.stiffness) < 4 * estimate.uncertainty
-    with pytest.raises(tweezer.ResultError, match="in volts: needs the drag, or the motion of"):
+    with pytest.raises(tweezer.ResultError, match="in volts: requires the drag, or the motion of"):
         tweezer.calibrate(signal, **FLUID)
 
 
@@ -433,7 +433,7 @@ def test_what_is_wrong_with_a_drive_is_said():
 
     late = calibrated(*driven(x, {140.0: 1e-6}, lag=2e-4))
     assert [finding.name for finding in late.remarks] == ["late"]
-    assert "the record is 0.2 ms behind" in late.remarks[0].text
+    assert "the signal is 0.2 ms behind" in late.remarks[0].text
     lines = {23.0: 1e-6, 140.3: 1e-6}
     moved, stage = driven(x, lines)
     other = driven(x, {23.0: 1e-6})[0] + 1.3 * (driven(0 * x, {140.3: 1e-6})[0])
@@ -441,10 +441,10 @@ def test_what_is_wrong_with_a_drive_is_said():
     assert "drive" in [finding.name for finding in calibrated(other, stage).findings]
     drifting = 1e-9 * np.cumsum(np.random.default_rng(1).standard_normal(len(x)))
     for other, why in (
-        (drifting, "no axis moves as the drive does"),
-        (np.linspace(0, 1e-6, len(x)), "the drive does not move to and fro"),
-        (0 * x, "the drive does not move to and fro"),
-        (1e-6 * np.sin(300 * times), "no axis moves as the drive does"),
+        (drifting, "no axis follows the drive"),
+        (np.linspace(0, 1e-6, len(x)), "the drive does not oscillate"),
+        (0 * x, "the drive does not oscillate"),
+        (1e-6 * np.sin(300 * times), "no axis follows the drive"),
     ):
         with pytest.raises(tweezer.ResultError, match=why):
             calibrated(x, other)
@@ -511,13 +511,13 @@ def test_recordings_put_together():
 
 @pytest.mark.parametrize(
     ("known", "why"),
-    [({"diode": "14 kHz, 0.3, 2"}, "must be a frequency, and the part"),
-     ({"diode": "14 nm"}, "diode = '14 nm': has a unit that is not known"),
+    [({"diode": "14 kHz, 0.3, 2"}, "must be a frequency, optionally with the fraction"),
+     ({"diode": "14 nm"}, "diode = '14 nm': has an unknown unit"),
      ({"diode": (14e3, 1.0)}, "from 0 to below 1"),
      ({"diode": 0.0}, "its frequency must be positive"),
      ({"noise": -1e-9}, "noise = -1e-09: must not be negative"),
      ({"noise": "1 V"}, "noise = '1 V'"),
-     ({"drive": "stage"}, "is read already; its drive is its own")],
+     ({"drive": "stage"}, "applies only when a file is read; this `Recording` has its own drive")],
 )  # fmt: skip
 def test_bad_detectors_are_refused(known, why):
     with pytest.raises(tweezer.ResultError, match=why):
@@ -563,4 +563,4 @@ def test_command_on_several_recordings(command_line):
     k, error = rounded(1e6 * mean["mean"], 1e6 * mean["uncertainty"])
     assert re.search(f"^ +together +{k} +{error} +p = ", outcome.out, re.MULTILINE)
     outcome = command_line("calibrate", "a.csv", "b.csv", *known, "--plot", "k.png")
-    assert (outcome.code, outcome.err) == (2, "--plot draws one recording, not 2\n")
+    assert (outcome.code, outcome.err) == (2, "--plot applies to one recording, not 2\n")

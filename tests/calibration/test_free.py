@@ -145,7 +145,7 @@ def test_jumps_are_left_out_and_tails_widen():
     jumped[300:, 0] += 12 * SIZE
     told = found(jumped)
     assert told.axes[0].jumps == (300,)
-    assert told.remarks == ("left out: jumps before 15 s (x)",)
+    assert told.remarks == ("omitted: jumps before 15 s (x)",)
     assert told.diffusion == pytest.approx(plain.diffusion, rel=0.01)
     rng = np.random.default_rng(9)
     tailed = np.cumsum(SIZE * rng.standard_t(5, (2000, 1)), axis=0)
@@ -166,7 +166,7 @@ def test_what_is_no_free_bead_is_said():
     rough = seen(13, 2002, count=1, exposure=STEP)
     smoothed = (rough[2:] + rough[1:-1] + rough[:-2]) / 3
     assert "smoothed" in found(smoothed).remarks[-1]
-    with pytest.raises(tweezer.ResultError, match="all of its steps are the same"):
+    with pytest.raises(tweezer.ResultError, match="all displacements are equal"):
         found(np.linspace(0, 1e-6, 300)[:, None])
 
 

@@ -54,12 +54,12 @@ def test_detector_is_given_fitted_or_that_of_the_recording():
 
 
 @pytest.mark.parametrize(("given", "told"), [
-    ({}, "r: needs the temperature of the medium"),
+    ({}, "r: requires the temperature of the medium"),
     ({"temperature": 293, "mass": -1}, "r: mass = -1.0: must be positive"),
-    ({"temperature": 293, "displaced_mass": 1e-15}, "r: the inertia of the fluid needs"),
-    ({"temperature": 293, "wall": 1e-6}, "r: wall: needs the bead's radius too"),
+    ({"temperature": 293, "displaced_mass": 1e-15}, "r: fluid inertia requires"),
+    ({"temperature": 293, "wall": 1e-6}, "r: wall: requires the bead's radius too"),
     ({"temperature": 9000}, "r: temperature = 9000: must be from 50 to 5000 K"),
-    ({"temperature": 293, "exposure": 1}, "r: exposure = 1 s: must be from 0 to the step"),
+    ({"temperature": 293, "exposure": 1}, "r: exposure = 1 s: must be from 0 to the sampling"),
     ({"temperature": 293, "noise": -1}, "r: noise = -1: must not be negative"),
     ({"temperature": 293, "diode": "0 Hz"}, "r: diode = '0 Hz': its frequency must be positive"),
 ])  # fmt: skip

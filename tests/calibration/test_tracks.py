@@ -186,7 +186,7 @@ def test_trapped_beads_in_a_table_are_calibrated_one_by_one(command_line, tmp_pa
     outcome = command_line("calibrate", "a.csv", *rate)
     assert outcome.code == 2
     assert outcome.err == (
-        "a.csv: has 2 beads that do not diffuse freely as far as is seen; calibrate them one by "
+        "a.csv: has 2 beads that do not seem to diffuse freely; calibrate them one by "
         'one, such as --bead "0"\n'
     )
     assert "x: stiffness by" in command_line("calibrate", "a.csv", *rate, "--bead", "0").out
@@ -202,7 +202,9 @@ def test_trajectories_keep_their_gaps(tmp_path):
         first, last = np.flatnonzero(there)[[0, -1]]
         np.testing.assert_allclose(mine.positions, theirs.positions[first : last + 1], atol=1e-10)
     (tmp_path / "b.csv").write_text("t,x\n0,1e-9\n1,2e-9\n2,3e-9\n", encoding="utf-8")
-    with pytest.raises(tweezer.ResultError, match="3 samples in a row; a diffusion needs 4 or "):
+    with pytest.raises(
+        tweezer.ResultError, match="3 consecutive samples; a diffusion coefficient requires 4 or "
+    ):
         load_trajectories(tmp_path / "b.csv")
 
 

@@ -153,7 +153,7 @@ def test_output_that_cannot_be_written_is_one_line(tmp_path):
             cwd=tmp_path, stdout=full, stderr=subprocess.PIPE, text=True, check=False,
         )  # fmt: skip
     assert told.returncode == 1
-    assert told.stderr == "what is printed cannot be written: No space left on device\n"
+    assert told.stderr == "cannot write to standard output: No space left on device\n"
 
 
 def test_scenes_lists_all(command_line):
@@ -277,7 +277,9 @@ def test_a_rerun_replaces_the_files(command_line):
     Path("thesis-990nm.png").write_text("no figure of tweezer")
     first = Path("thesis-990nm.nc").stat().st_ino
     refused = command_line("run", *SHORT, *DRAWN)
-    assert refused.err.startswith("thesis-990nm.png: already exists and is no figure of tweezer; ")
+    assert refused.err.startswith(
+        "thesis-990nm.png: already exists and is not a figure of tweezer; "
+    )
     for overwrite in (["--overwrite"], []):  # the second time it is one
         assert command_line("run", *SHORT, *DRAWN, *overwrite).code == 0
         assert Path("thesis-990nm.nc").stat().st_ino != first
@@ -434,7 +436,7 @@ def test_an_output_that_is_a_link_is_refused(command_line):
     ):
         refused = command_line(*arguments)
         assert (refused.code, refused.out) == (2, "")
-        assert refused.err == f"{name}: is a link; name the file it leads to: thesis.tex\n"
+        assert refused.err == f"{name}: is a link; give its target instead: thesis.tex\n"
     assert Path("thesis.tex").read_text() == "precious"
     assert len(list(Path().iterdir())) == 5
 
@@ -452,7 +454,9 @@ def test_an_interrupted_run_keeps_what_it_reached(command_line, monkeypatch):
     assert outcome.code == 130
     (line,) = outcome.err.splitlines()
     assert re.fullmatch(
-        r"thesis-990nm: interrupted at 0\.00\d+ s; what was reached is in thesis-990nm\.nc", line
+        r"thesis-990nm: interrupted at 0\.00\d+ s; "
+        r"the trajectory so far was saved to thesis-990nm\.nc",
+        line,
     )
     run = tweezer.load_run("thesis-990nm.nc")
     assert run.attrs["status"] == "interrupted"
@@ -464,7 +468,9 @@ def test_an_interrupted_run_keeps_what_it_reached(command_line, monkeypatch):
     for number in (2, 3):  # a run that has not ended replaces none, though it may be asked to
         again = command_line("run", *LONG, *DRAWN, "--overwrite")
         assert again.code == 130
-        assert again.err.endswith(f"; what was reached is in thesis-990nm-{number}.nc\n")
+        assert again.err.endswith(
+            f"; the trajectory so far was saved to thesis-990nm-{number}.nc\n"
+        )
         assert tweezer.load_run(f"thesis-990nm-{number}.nc").attrs["status"] == "interrupted"
         assert Path(f"thesis-990nm-{number}.png").is_file()
     assert content("thesis-990nm.nc", "thesis-990nm.png") == before
@@ -598,7 +604,8 @@ def test_a_failed_run_keeps_what_it_reached(command_line, monkeypatch, method):
     assert outcome.code == 1
     (line,) = outcome.err.splitlines()
     assert re.fullmatch(
-        r"thesis-990nm: failed after \S+ s: \S.*; what was reached is in thesis-990nm\.nc",
+        r"thesis-990nm: failed after \S+ s: \S.*; "
+        r"the trajectory so far was saved to thesis-990nm\.nc",
         line,
     )
     run = tweezer.load_run("thesis-990nm.nc")
@@ -656,7 +663,7 @@ def test_a_reader_that_leaves_costs_no_file(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [(["run", "silica-1um", "--seed", "3"],
-      "seed: is for forces.brownian = true, and a camera with noise"),
+      "seed: requires forces.brownian = true, or a camera with noise"),
      (["run", *FREE, "--set", "forces.brownian=true", "--seed", "-3"],
       "seed = -3: must be a whole number from 0 to 2^63 - 1"),
      (["run", "silica-1um", "--rate", "1 Hz"],
@@ -671,21 +678,21 @@ def test_a_reader_that_leaves_costs_no_file(tmp_path):
       'sine map; give lens.cover for an oil immersion objective, as `tweezer new --objective '
       '"100x/1.40 oil"` does'),
      (["sweep", "silica-1um", "--over", "beam.power=1mW,2mW", "--skip", "5 ms"],
-      "skip: is for sweeps of ensemble, calibrate, not of trap"),
+      "skip: applies to sweeps of ensemble, calibrate, not of trap"),
      (["sweep", "silica-1um", "--over", "beam.power=1mW,2mW", "--seed", "0"],
-      "seed: is for sweeps of run, ensemble, calibrate, not of trap"),
+      "seed: applies to sweeps of run, ensemble, calibrate, not of trap"),
      (["sweep", "silica-1um", "--over", "beam.power=1mW,2mW", "--of", "calibrate",
-       "--trajectories", "5"], "trajectories: is for sweeps of ensemble, not of calibrate"),
+       "--trajectories", "5"], "trajectories: applies to sweeps of ensemble, not of calibrate"),
      (["trap", "silica-1um", "--heights", "1 um", "30 um", "--count", "1"],
       "--count 1: must be 2 or more, from 1 um to 30 um"),
      (["run", "silica-1um", "--set", "beam.power=1mW", "--set", "beam.power = 2mW"],
       "--set 'beam.power = 2mW': beam.power is set twice"),
      (["run", "silica-1um", "--duration", "1 ms", "--set", "simulation.duration=2ms"],
-      "--duration: simulation.duration is set twice, by --set too"),
+      "--duration: simulation.duration is set twice, also by --set"),
      (["ensemble", *FREE, "--set", "forces.brownian=true", "--trajectories", "0"],
       "trajectories = 0: must be a whole number from 1 to 1e+09"),
      (["ensemble", *FREE, "--set", "forces.brownian=true", "--trajectories", "3", "--statistics",
-       "--skip", "1 s"], "skip = 1.0: must leave at least 2 of 3 samples")],
+       "--skip", "1 s"], "skip = 1.0: must leave at least 2 of the 3 samples")],
 )  # fmt: skip
 def test_arguments_are_refused_before_the_light_is_bound(
     command_line, monkeypatch, arguments, line

@@ -107,7 +107,7 @@ def test_a_file_that_is_there_is_kept(command_line):
         (["--bead", "polystirene"], "--bead 'polystirene': did you mean polystyrene?"),
         (["--bead", "wood"], "--bead 'wood': allowed: polystyrene, silica, pmma, melamine, gold, "
                              "silicon"),
-        (["--diameter", "1 mw"], "--diameter '1 mw': has a unit that is not known; must be"),
+        (["--diameter", "1 mw"], "--diameter '1 mw': has an unknown unit; must be"),
         (["--diameter", "5 mm"], "--diameter '5 mm': must be from 2e-09 to 0.002 m"),
         (["--diameter", "1.5"], 'must be from 2e-09 to 0.002 m; for 1.5 um write "1.5 um"'),
         (["--objective", "60x/1.3"], "--objective '60x/1.3': did you mean 100x/1.30 oil?"),

@@ -80,7 +80,7 @@ def test_many_values_are_compared_and_many_errors_reported_in_few_lines():
 def test_only_a_figure_of_tweezer_is_replaced_unasked(ending):
     path = Path(f"figure.{ending}")
     path.write_bytes(b"precious")
-    with pytest.raises(tweezer.ResultError, match="already exists and is no figure of tweezer"):
+    with pytest.raises(tweezer.ResultError, match="already exists and is not a figure of tweezer"):
         writable_figure(path)
     assert writable_figure(path, overwrite=True) == path
     figure = new(3, 2)

@@ -33,7 +33,7 @@ from tweezer.dynamics.solution import Solver
 from tweezer.dynamics.walk import Walk
 
 ROOT = Path(__file__).parents[2]
-NOTICE = "compiling, once: the next runs load it (`tweezer warmup` does it ahead)"
+NOTICE = "compiling, once: the next runs load it (`tweezer warmup` does it in advance)"
 #: the command line, which does not wait with its notice
 COMMAND = """
 from tweezer import cli
@@ -204,7 +204,7 @@ def test_without_a_place_to_keep_it_everything_works_and_says_so(unwritable):
     assert done.stdout.startswith("[[")
     said = [line for line in done.stderr.splitlines() if "NUMBA_CACHE_DIR" in line]
     assert len(said) == 1
-    assert "what is compiled is not kept" in said[0]
+    assert "compiled functions cannot be stored" in said[0]
     assert not list(temporary.iterdir())
 
 
@@ -523,7 +523,7 @@ def test_what_cannot_be_compared_is_refused():
     def closure():
         return strange
 
-    with pytest.raises(TypeError, match="cannot be seen"):
+    with pytest.raises(TypeError, match="cannot be detected"):
         fingerprint(closure)
 
 

@@ -225,7 +225,7 @@ def test_a_bead_without_thermal_motion_is_seen_too():
     assert np.array_equal(seen[0], seen[1])
     assert not np.array_equal(seen[0], seen[2])
     assert 0.5 < (seen[0] - path).std() / 5e-9 < 1.5
-    with pytest.raises(SceneError, match="seed: is for"):
+    with pytest.raises(SceneError, match="seed: requires"):
         tweezer.simulate(scene, seed=1)
 
 
@@ -252,7 +252,7 @@ def test_frames_end_where_a_bead_is_lost():
         ({"camera": {"rate": "1 kHz", "nose": "1 nm"}}, "did you mean noise"),
         (
             {"camera": {"rate": "1 kHz"}, "simulation": {"method": "one-call"}},
-            "one-call.*a camera needs displacements",
+            "one-call.*a camera requires displacements",
         ),
     ],
 )
@@ -288,7 +288,7 @@ def test_a_saved_run_is_read_as_what_its_camera_saw(command_line, tmp_path):
     run["seen"].attrs["units"] = "um"
     with pytest.raises(ResultError, match="not a run: its seen is not in m"):
         tweezer.load_recording(run)
-    with pytest.raises(ResultError, match="what its camera saw is not over time and axis"):
+    with pytest.raises(ResultError, match="its camera frames are not over time and axis"):
         tweezer.load_recording(run.drop_vars("frame_time"))
     found = tweezer.calibrate(recording)
     assert [axis.fit.bead.noise for axis in found.axes] == [5e-9, 5e-9, 20e-9]

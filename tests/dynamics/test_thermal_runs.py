@@ -129,9 +129,9 @@ def test_a_run_ends_when_its_force_calls_are_spent():
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ({"tolerance": 1e-9}, "tolerance: not with forces.brownian"),
+        ({"tolerance": 1e-9}, "tolerance: cannot be combined with forces.brownian"),
         ({"seed": -1}, "seed = -1"),
-        ({"method": "exponential"}, "draws no thermal motion"),
+        ({"method": "exponential"}, "does not compute thermal motion"),
     ],
 )
 def test_what_does_not_go_together_is_refused(arguments, said):
@@ -187,4 +187,4 @@ def test_command_line(tmp_path, monkeypatch):
     assert run.attrs["seed"] == 7
     assert json.loads(run.attrs["scene"])["start"]["drawn"] == "boltzmann"
     refused = CliRunner().invoke(app, ["run", "silica-1um", "--seed", "7"])
-    assert "seed: is for forces.brownian" in str(refused.exception)
+    assert "seed: requires forces.brownian" in str(refused.exception)

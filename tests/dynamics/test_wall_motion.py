@@ -184,7 +184,7 @@ def test_what_the_run_says_of_the_model(falling):
 def test_memory_and_a_wall(falling):
     """Nearer than 20 radii it is refused; farther what is left out is said."""
     near = {"wall": {"position": "-19 um"}, "medium": {"inertia": "memory"}}
-    with pytest.raises(SceneError, match=r"medium.inertia = 'memory': a wall nearer"):
+    with pytest.raises(SceneError, match=r"medium.inertia = 'memory': a wall within"):
         falling.replace(**near)
     scene = falling.replace(wall={"position": "-25 um"}, medium={"inertia": "memory"})
     problem, why = choose.decided(bound_once(scene))

@@ -681,13 +681,13 @@ def test_a_chunk_half_written_is_written_again(small, tmp_path):
      ({"seed": -1}, "seed = -1: must be a whole number"),
      ({"workers": 0}, "workers = 0: must be a whole number"),
      ({"duration": "3 kg"}, "simulation.duration = '3 kg'"),
-     ({"skip": "1 ms"}, "skip = '1 ms': only for statistics"),
+     ({"skip": "1 ms"}, "skip = '1 ms': requires statistics"),
      ({"statistics": True, "skip": "1 m"}, "skip = '1 m': "),
-     ({"statistics": True, "skip": "9.95 ms"}, "must leave at least 2 of 101 samples"),
+     ({"statistics": True, "skip": "9.95 ms"}, "must leave at least 2 of the 101 samples"),
      ({"statistics": True, "skip": -1.0}, "skip = -1.0: "),
      ({"scheduler": "tcp://127.0.0.1:1"}, "out: missing"),
-     ({"scheduler": "tcp://127.0.0.1:1", "workers": 2, "out": "a.zarr"}, "workers = 2: not with"),
-     ({"trajectories": 10**6}, "trajectories take 2.42 GB, too much to hold in memory"),
+     ({"scheduler": "tcp://127.0.0.1:1", "workers": 2, "out": "a.zarr"}, "workers = 2: cannot be"),
+     ({"trajectories": 10**6}, "trajectories take 2.42 GB, too much for the memory"),
      ({"trajectories": 6 * 10**5, "scene": INERTIAL}, "trajectories take 2.91 GB, too much"),
      ({"scene": FREE.replace(forces={"brownian": False})}, "forces.brownian = False")],
 )  # fmt: skip
@@ -711,7 +711,7 @@ def test_a_scheduler_that_is_not_there(address, reason, tmp_path, monkeypatch):
     monkeypatch.setattr("tweezer.ensembles.scheduler.PATIENCE", 0.5)
     with pytest.raises(tweezer.SceneError) as told:
         tweezer.ensemble(FREE, 3, scheduler=address, out=tmp_path / "a.zarr")
-    assert re.fullmatch(f"scheduler = '{address}': not reached: {reason}.*", str(told.value))
+    assert re.fullmatch(f"scheduler = '{address}': cannot be reached: {reason}.*", str(told.value))
     assert dask.config.get("scheduler", None) is None  # what follows does not ask for it either
     assert not list(tmp_path.iterdir())
 
@@ -726,8 +726,8 @@ def test_only_the_same_ensemble_is_resumed(gathered, small, tmp_path):
         with pytest.raises(tweezer.ResultError, match="already exists or is unfinished"):
             tweezer.ensemble(FREE, 50, **kind)
         for scene, trajectories, seed, complaint in (
-            (INERTIAL, 50, 0, "made of another scene"),
-            (FREE.replace(simulation={"step": "20 us"}), 50, 0, "made of another scene"),
+            (INERTIAL, 50, 0, "belongs to another scene"),
+            (FREE.replace(simulation={"step": "20 us"}), 50, 0, "belongs to another scene"),
             (FREE, 51, 0, "made with trajectories 50, which cannot be resumed with 51"),
             (FREE, 50, 1, "made with seed 0, which cannot be resumed with 1"),
         ):
@@ -784,18 +784,18 @@ def test_a_folder_it_has_not_made_is_left_alone(gathered, small, tmp_path):
     before = content(tmp_path)
     for resume in (False, True):
         with pytest.raises(
-            tweezer.ResultError, match="already exists and is of no ensemble; choose anoth"
+            tweezer.ResultError, match="already exists and belongs to no ensemble; choose anoth"
         ):
             tweezer.ensemble(FREE, 3, **kind, resume=resume)
         assert content(tmp_path) == before
     part.rename(tmp_path / "mine")
     before = content(tmp_path)
     part.symlink_to(victim)
-    with pytest.raises(tweezer.ResultError, match="already exists and is"):
+    with pytest.raises(tweezer.ResultError, match="already exists and belongs"):
         tweezer.ensemble(FREE, 3, **kind)
     part.unlink()
     part.write_text("a file")
-    with pytest.raises(tweezer.ResultError, match="already exists and is"):
+    with pytest.raises(tweezer.ResultError, match="already exists and belongs"):
         tweezer.ensemble(FREE, 3, **kind)
     part.unlink()
     part.mkdir()  # by a process that was killed before it wrote anything
@@ -815,7 +815,7 @@ def test_a_marker_that_is_a_link_is_not_written_to(tmp_path):
     (tmp_path / "thesis.tex").write_text("precious")
     (tmp_path / "a.zarr.part").mkdir()
     (tmp_path / "a.zarr.part" / "of-an-ensemble").symlink_to(tmp_path / "thesis.tex")
-    with pytest.raises(tweezer.ResultError, match="already exists and is"):
+    with pytest.raises(tweezer.ResultError, match="already exists and belongs"):
         tweezer.ensemble(FREE, 3, out=tmp_path / "a.zarr")
     assert (tmp_path / "thesis.tex").read_text() == "precious"
 
@@ -987,7 +987,7 @@ def test_what_a_worker_of_a_cluster_gathered_is_in_its_file(small, tmp_path):
     xr.testing.assert_equal(joining.finish(complete=True), expected)
     (tmp_path / "none.nc.part").mkdir()
     joining = store.Joined(dataclasses.replace(begun, out=tmp_path / "none.nc"), bound)
-    with pytest.raises(tweezer.ResultError, match=r"0\.npz: not what a worker wrote"):
+    with pytest.raises(tweezer.ResultError, match=r"0\.npz: damaged; resume"):
         joining.take(0, {})
 
 
@@ -1071,7 +1071,7 @@ def test_an_interrupted_command_is_resumed(command_line, monkeypatch):
     assert outcome.code == 130
     (line,) = outcome.err.splitlines()
     assert line.startswith("silica-1um: interrupted after ")
-    assert line.endswith(" of 200 trajectories; go on with --resume")
+    assert line.endswith(" of 200 trajectories; continue with --resume")
     assert command_line("ensemble", *SHORT, "--resume").code == 0
     assert [path.name for path in Path().iterdir()] == ["silica-1um.zarr"]
 

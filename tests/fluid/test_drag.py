@@ -316,7 +316,7 @@ def test_what_needs_a_uniform_drag_says_so(dark):
     problem = problem_of(dark.replace(simulation={"model": "first-order"}), growing())
     with pytest.raises(SceneError, match=r"simulation.model = 'first-order': requires a drag"):
         integrate(bind(problem), np.array([0.0, 1e-6]))
-    with pytest.raises(SceneError, match="the Kalman filter follows no inertia"):
+    with pytest.raises(SceneError, match="the Kalman filter does not support inertia"):
         kalman_filter(bind_translation(problem_of(dark, growing()), "full"))
     for start in (turning, {}):
         scene = dark.replace(start=start, simulation={"model": "full"})

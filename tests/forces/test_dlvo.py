@@ -99,7 +99,7 @@ def test_contact_pushes_away_and_not_without_end():
 @pytest.mark.parametrize(
     ("sections", "words"),
     [
-        ({"forces": {"dlvo": {"strength": "4 aJ", "debye_length": "9 nm"}}}, "needs a .wall."),
+        ({"forces": {"dlvo": {"strength": "4 aJ", "debye_length": "9 nm"}}}, "requires a .wall."),
         ({"forces": {"dlvo": {"strength": "4 aJ"}}}, r"forces.dlvo.debye_length: missing"),
         ({"forces": {"dlvo": {"strength": "4 nm", "debye_length": 1e-8}}}, "must be convertible"),
     ],

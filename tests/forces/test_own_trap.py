@@ -67,7 +67,7 @@ def test_quantities_of_the_scene_alone_are_refused_with_other_forces():
     assert "forces of your own       1\n" in repr(trap)
     assert trap.lifetime is None
     assert trap.lifetime_without_light is None
-    assert trap.lifetime_caveat == "not computed with forces beside those of the scene"
+    assert trap.lifetime_caveat == "not computed with your own forces"
     with pytest.raises(ResultError, match="this trap has 1 of your own"):
         tweezer.view(trap)
     assert not tweezer.compare(trap, tweezer.characterise(SCENE)).agrees

@@ -153,14 +153,14 @@ def test_a_table_is_read_from_the_folder_of_the_scene(tmp_path):
     ("beam", "said"),
     [
         ({"motion": {"kind": "circle"}}, "beam.motion.kind = 'circle': allowed: 'sine', 'ramp'"),
-        ({"motion": {"kind": "ramp"}}, "beam.motion.velocity: missing; kind = 'ramp' needs it"),
+        ({"motion": {"kind": "ramp"}}, "beam.motion.velocity: missing; kind = 'ramp' requires it"),
         ({"motion": {"kind": "ramp", "velocity": [1, 0, 0], "phase": 1}},
-         "beam.motion.phase: not for kind = 'ramp'"),
+         "beam.motion.phase: does not apply to kind = 'ramp'"),
         ({"motion": {**STEPS, "times": ["3 ms", "1 ms"]}}, "beam.motion.times: must ascend"),
         ({"motion": {**STEPS, "period": "2.9 ms"}},
          "beam.motion.period = 0.0029 s: must be 0.003 s, the last time, or more"),
         ({"motion": {"kind": "ramp", "velocity": [1, 0, 0], "period": 1}},
-         "beam.motion.period: not for kind = 'ramp'"),
+         "beam.motion.period: does not apply to kind = 'ramp'"),
         ({"modulation": {"kind": "table", "times": [1, 2], "factors": [1, 2], "period": 1}},
          "beam.modulation.period = 1 s: must be 2 s, the last time, or more"),
         ({"motion": {**STEPS, "times": ["3 ms"]}}, "must have as many as times"),
@@ -169,7 +169,7 @@ def test_a_table_is_read_from_the_folder_of_the_scene(tmp_path):
         ({"modulation": {"kind": "sine", "depth": 2, "frequency": 1}},
          "beam.modulation.depth = 2: must be from 0 to 1"),
         ({"modulation": {"kind": "sine", "depth": 1, "frequency": "1 rad/s"}},
-         "beam.modulation.frequency = '1 rad/s': has a unit that is not known; .* Hz, kHz"),
+         "beam.modulation.frequency = '1 rad/s': has an unknown unit; .* Hz, kHz"),
         ({"modulation": {"kind": "on-off", "frequency": 1, "speed": 3}},
          "beam.modulation.speed = 3: unknown key; allowed: kind, .*, factors, period, file$"),
         ({"motion": {"kind": "table", "file": 3}}, "beam.motion.file = 3: unknown key"),
@@ -188,7 +188,7 @@ def test_several_beams_are_written_and_refused_as_they_are_counted():
         said = rf"^beam\[{number}\]\.power_through_pupil = -1\.0: must be from 0"
         with pytest.raises(SceneError, match=said):
             ONE.replace(beam=given)
-    with pytest.raises(SceneError, match="beam: at least one is needed"):
+    with pytest.raises(SceneError, match="beam: at least one beam is required"):
         ONE.replace(beam=[])
     three = ONE.replace(beam=[beam_of(ONE)] * 3)
     assert len(three.beams) == 3
@@ -204,13 +204,13 @@ def test_several_beams_are_written_and_refused_as_they_are_counted():
     assert "  light    150 mW at 1064 nm, 3 beams; computed as waves" in repr(three)
     assert repr(three).endswith("  changed  3 beams")
     for scene, key, said in (
-        (three, "beam.power", r"beam\.power: of which beam\? The scene has 3 beams, beam\[1\] to "),
+        (three, "beam.power", r"beam\.power: does not name a beam; the scene has 3 beams, "),
         (three, "beam[4].power", r"beam\[4\]: the scene has 3 beams, beam\[1\] to beam\[3\]"),
         (ONE, "beam[1].power", r"beam\[1\]: the scene has one beam, beam"),
     ):
         with pytest.raises(SceneError, match=f"^{said}"):
             with_settings(scene, {key: "5 mW"})
-    with pytest.raises(SceneError, match=r"^beam\[2\]: not beside beam"):
+    with pytest.raises(SceneError, match=r"^beam\[2\]: cannot be combined with beam"):
         three.replace(**{"beam": beams, "beam[2]": {"power": 1}})
     with pytest.raises(SceneError, match=r"^beam\[2\] = \[1\]: must be a section \[\[beam\]\]$"):
         three.replace(**{"beam[2]": [1]})
@@ -230,8 +230,12 @@ def test_several_beams_are_written_and_refused_as_they_are_counted():
         (ONE, {"more_beams": [ONE.beam]}, "more_beams: beam = [...] replaces all beams, and beam["),
         (TWO, {"more_beams": []}, "more_beams: beam = [...] replaces all"),
         (TWO, {"more_beams": {"power": 1}}, "more_beams: beam = [...] replaces all"),
-        (TWO, {"beam": ONE.beam}, "beam: of which beam? The scene has 2 beams, beam[1] to beam[2]"),
-        (TWO, {"beam": None}, "beam: of which beam?"),
+        (
+            TWO,
+            {"beam": ONE.beam},
+            "beam: does not name a beam; the scene has 2 beams, beam[1] to beam[2]",
+        ),
+        (TWO, {"beam": None}, "beam: does not name a beam"),
         (TWO, {"beam[01]": {"power": 1}}, "beam[01] = {'power': 1}: unknown key"),
         (TWO, {"beam[\u0662]": {"power": 1}}, "beam[\u0662] = {'power': 1}: unknown key"),
     ],
@@ -244,7 +248,7 @@ def test_no_beam_is_changed_or_lost_in_silence(scene, changes, said):
 def test_a_scene_as_a_mapping_has_its_beams_in_one_way():
     sections = TWO.model_dump(exclude_none=True)
     assert tweezer.load_scene(sections) == TWO
-    with pytest.raises(SceneError, match=r"^more_beams: not beside beam = \[\.\.\.\]"):
+    with pytest.raises(SceneError, match=r"^more_beams: cannot be combined with beam = \[\.\.\.\]"):
         tweezer.load_scene({**sections, "beam": [TWO.beam, TWO.beam]})
     strong = {**sections["beam"], "power_through_pupil": 100}
     with pytest.warns(UnitWarning, match=r"^beam\[2\]\.power_through_pupil = 100 is 100 W"):

@@ -143,7 +143,7 @@ def test_the_command_writes_one_page_of_one_recording(drifting, command_line, tm
     assert content.startswith(b"%PDF")
     assert re.findall(rb"/Type /Page\b(?!s)", content) == [b"/Type /Page"]
     for arguments, said in (
-        (("a.csv", "b.csv", *given, "--report", "b.html"), "--report tells of one recording"),
+        (("a.csv", "b.csv", *given, "--report", "b.html"), "--report applies to one recording"),
         (("a.csv", *given, "--report", "a.txt"), "must end in .html, .pdf"),
     ):
         refused = command_line("calibrate", *arguments)

@@ -76,10 +76,10 @@ def test_measured_samples_are_left_alone(rounded):
 @pytest.mark.parametrize(
     ("positions", "which", "said"),
     [(held(at(0.03)), "copies", "samples repeat the previous one"),
-     (marked(0), "marks", "samples have the same numbers (0, 0): taken as lost"),
-     (marked((-1, -1)), "marks", "(-1, -1): taken as lost"),
-     (marked(0, axes=1), "marks", "(0): taken as lost"),
-     (one_axis(0), "marks", "samples have the same numbers (0) along one axis: taken as lost"),
+     (marked(0), "marks", "samples have the same numbers (0, 0): treated as lost frames"),
+     (marked((-1, -1)), "marks", "(-1, -1): treated as lost frames"),
+     (marked(0, axes=1), "marks", "(0): treated as lost frames"),
+     (one_axis(0), "marks", "same numbers (0) along one axis: treated as lost frames"),
      (interpolated(at(0.03)), "copies", "samples lie on the line between")],
 )  # fmt: skip
 def test_few_unmeasured_samples_become_missing(positions, which, said):

@@ -197,7 +197,7 @@ def gap(*rows, fill=None):
 def test_a_few_missing_samples_are_filled_in(fill):
     gap(50, 200, fill=fill)("a.csv")
     recording = tweezer.load_recording("a.csv")
-    assert recording.note == "samples missing: 2 of 400, filled in from those around them"
+    assert recording.note == "samples missing: 2 of 400, filled from the samples around them"
     x, there = recording.positions[:, 0], ~np.isin(FRAMES, [50, 200])
     np.testing.assert_allclose(x[there], X[there], rtol=1e-8)
     assert (np.abs(x[~there]) < 4 * np.std(X)).all()
@@ -239,10 +239,10 @@ def test_of_a_record_with_gaps_the_longest_stretch_is_taken(fill):
     np.testing.assert_allclose(recording.times, T[112:399], rtol=0, atol=1e-12)
     np.testing.assert_allclose(recording.positions[:, 0], X[112:399], rtol=1e-8)
     assert (
-        "13 of 399; the longest stretch without a gap is taken: 287 samples from 0.112"
+        "13 of 399; the longest stretch without a gap is used: 287 samples from 0.112"
         in recording.note
     )
-    assert ("1 row without numbers at its ends left out" in recording.note) is (fill is not None)
+    assert ("1 row without numbers at its ends omitted" in recording.note) is (fill is not None)
 
 
 def test_stamps_in_whole_milliseconds_are_no_gaps():
@@ -269,7 +269,7 @@ def test_packed_numbers_of_netcdf():
 def test_a_rate_that_is_not_that_of_the_times_is_said(heading):
     columns = [T, 1e6 * X, 1e6 * Y, FRAMES][: len(heading.split(","))]
     text(heading, *columns)("a.csv")
-    said = "its times have 1000 Hz; taken as 970 Hz"
+    said = "its times have 1000 Hz; 970 Hz is used"
     recording = tweezer.load_recording("a.csv", columns=heading, rate=970)
     assert recording.note == said
     np.testing.assert_allclose(recording.times, FRAMES / 970, rtol=1e-9)
@@ -284,7 +284,9 @@ def test_a_coordinate_that_does_not_change_is_left_out():
     recording = tweezer.load_recording("a.csv")
     assert recording.axes == ("x", "y")
     assert recording.note == "z does not change, and is left out"
-    with pytest.raises(tweezer.ResultError, match="z does not change: nothing to calibrate"):
+    with pytest.raises(
+        tweezer.ResultError, match="z does not change, so there is nothing to calibrate"
+    ):
         tweezer.load_recording("a.csv", columns="x=POSITION_X,z=POSITION_Z")
 
 
@@ -293,7 +295,7 @@ def test_frames_that_were_dropped_are_a_gap():
     text("frame,x [um]", kept, 1e6 * X[kept])("a.csv")
     recording = tweezer.load_recording("a.csv", rate=1000)
     assert len(recording.times) == N
-    assert recording.note.startswith("samples missing: 1 of 400, filled in")
+    assert recording.note.startswith("samples missing: 1 of 400, filled from")
 
 
 def test_a_track_is_read_by_the_same_options():
@@ -310,11 +312,11 @@ BEADS = text("x,y,frame,particle", 1e6 * X, Y, FRAMES % 200, FRAMES // 200)
     ("name", "write", "options", "way"),
     [("a.csv", text("frame;x;y", FRAMES, X, Y, mark=";"), {},
       'give their rate: --rate "... Hz"'),
-     ("a.csv", text("t,x_px", T, X / PIXEL), {}, 'give the length of one: --scale "... nm"'),
+     ("a.csv", text("t,x_px", T, X / PIXEL), {}, 'give the length of a pixel: --scale "... nm"'),
      ("a.csv", text("t,x", T, X / PIXEL * 100), {},
-      "Is its unit missing? Of pixels --scale has it"),
+      "Is its unit missing? For pixels give --scale"),
      ("a.csv", text("t,x [um]", T, X), {"scale": "1 nm"},
-      "is in m, and --scale is for positions in pixels"),
+      "is in m, and --scale applies to positions in pixels"),
      ("a.csv", text("x [um]", 1e6 * X), {},
       'give the rate of rows at even times: --rate "... Hz"'),
      ("a.csv", text(None, T, X, Y), {}, '--columns "t [s],x [um],y [um]"'),
@@ -328,7 +330,7 @@ BEADS = text("x,y,frame,particle", 1e6 * X, Y, FRAMES % 200, FRAMES // 200)
       "has 2 columns and no headings, and --columns names 1; name the others -, or, if its "
       "decimals have commas, write them with points"),
      ("a.csv", text("frame,t,x", FRAMES, T, X), {"rate": 100},
-      'its times have 1000 Hz, and --rate is 100 Hz; leave out --rate, or, if the times are wrong, '
+      'its times have 1000 Hz, but --rate is 100 Hz; omit --rate, or, if the times are wrong, '
       'name the columns without them: --columns "frame=...,x=..."'),
      ("a.csv", text("t,x", T, X), {"columns": "t=t,x=place"},
       "no column is called 'place' among 't', 'x'"),
@@ -340,7 +342,7 @@ BEADS = text("x,y,frame,particle", 1e6 * X, Y, FRAMES % 200, FRAMES // 200)
      ("a.csv", text("t,x", T + 4 * (STAMPS - T), X), {"rate": "1 kHz"},
       '--columns "x=x" --rate "1000 Hz"'),
      ("a.csv", text("t,x", T - 0.0503 * (T > 0.2), X), {},
-      'its clock goes back; if the rows are in order and evenly spaced, read them without it: '
+      'its clock runs backwards; if the rows are in order and evenly spaced, read them without it: '
       '--columns "x=x" --rate "1000 Hz"'),
      ("a.csv", text("t,x", T // 0.005, X), {}, 'stamps repeat; if'),
      ("a.csv", text("t,x", T % 0.2, X), {}, 'such as --columns "bead=ID,..."'),
@@ -351,7 +353,7 @@ BEADS = text("x,y,frame,particle", 1e6 * X, Y, FRAMES % 200, FRAMES // 200)
       "the longest stretch without a gap has 14 samples"),
      ("a.csv", text("frame,x [um]", FRAMES / 7, 1e6 * X), {"rate": 15},
       "frame: must be whole numbers"),
-     ("a.xlsx", text("t,x", T, X), {}, "programs of measurement and of tables can save .csv"),
+     ("a.xlsx", text("t,x", T, X), {}, "most measurement and spreadsheet programs can save .csv"),
      ("a.npy", npy(np.stack([T, X])), {}, '--columns "t [s],x [um]"'),
      ("a.npz", npz(x=X, fs=1e3), {}, 'fs = 1000 is perhaps the rate of its rows: --rate "1000 Hz"'),
      ("a.mat", mat(d=np.stack([T, X])), {}, '--columns "t=d:1,x=d:2"'),
@@ -379,7 +381,7 @@ def test_refused_with_the_way_out(name, write, options, way):
      ({"columns": "t,-"}, "must have x, y or z among them"),
      ({"columns": "x=0"}, "columns are counted from 1"),
      ({"columns": 3}, "columns = 3: must be a text such as"),
-     ({"rate": "15 nm"}, "rate = '15 nm': has a unit that is not known; must be convertible"),
+     ({"rate": "15 nm"}, "rate = '15 nm': has an unknown unit; must be convertible"),
      ({"rate": 0}, "rate = 0: must be from 1e-06 to 1e.12 1/s"),
      ({"scale": "85.8 kg"}, "scale = '85.8 kg': must be a length such as"),
      ({"scale": "85.8 nm/s"}, "must be a length such as"),
@@ -399,7 +401,9 @@ def test_without_a_reader_the_line_says_how_to_get_it(monkeypatch, module, name)
 
 
 def test_options_are_not_for_a_run():
-    with pytest.raises(tweezer.ResultError, match="is a run of tweezer; --rate is for other files"):
+    with pytest.raises(
+        tweezer.ResultError, match="is a run of tweezer, to which --rate does not apply"
+    ):
         tweezer.load_recording(xr.Dataset(attrs={"title": "mine"}), rate=15)
 
 
@@ -439,7 +443,7 @@ def test_sorted_frames_keep_their_gap():
     recording = tweezer.load_recording("a.csv", rate=1000)
     there = FRAMES != 70
     np.testing.assert_allclose(recording.positions[there, 0], X[there], rtol=1e-8)
-    assert recording.note.startswith("rows sorted by time; samples missing: 1 of 400, filled in")
+    assert recording.note.startswith("rows sorted by time; samples missing: 1 of 400, filled from")
 
 
 def test_rows_that_repeat_others_are_left_out():
@@ -448,7 +452,7 @@ def test_rows_that_repeat_others_are_left_out():
     text("t,x", T[rows], X[rows])("a.csv")
     recording = tweezer.load_recording("a.csv")
     np.testing.assert_allclose(recording.positions[:, 0], X, rtol=1e-8)
-    assert recording.note == "50 rows that repeat another one left out"
+    assert recording.note == "50 rows that repeat another one omitted"
 
 
 def test_rows_in_another_order_are_not_read_at_a_rate():

@@ -130,7 +130,7 @@ def test_a_damaged_run_is_not_calibrated(tmp_path, run):
     at = content.find(run["position"].values[:2].tobytes())
     content[at + 6] ^= 1  # of the first x
     path.write_bytes(content)
-    with pytest.raises(tweezer.ResultError, match=r"run\.nc: damaged: its content is not what was"):
+    with pytest.raises(tweezer.ResultError, match=r"run\.nc: damaged: its content differs from"):
         tweezer.load_recording(path)
 
 
@@ -198,12 +198,12 @@ def rows(count=150, **changed):
      ("a.csv", "", "has no column t and no column x; headings are such as"),
      ("a.csv", "t,y\n0,1\n", "has no column x among 't', 'y'; headings are such as"),
      ("a.csv", rows(l1="frame,x"), "has frames and no times; give their rate: --rate"),
-     ("a.csv", rows(l1="t,x_px"), "x_px: is in pixels; give the length of one: --scale"),
+     ("a.csv", rows(l1="t,x_px"), "x_px: is in pixels; give the length of a pixel: --scale"),
      ("a.csv", rows(l1="0,1e-9"), "has no headings over its 2 columns; name them in their order: "
       '--columns "t [s],x [um]"'),
      ("a.csv", "t," + ",".join(f"c{i}" for i in range(999)), "'c7', 'c8', ...; headings are"),
      ("a.csv", rows(l1="t,x [kg]"), "x [kg]: 'kg' has the wrong unit; must be convertible to m"),
-     ("a.csv", rows(l1="t,x/A"), "x/A: 'A' has a unit that is not known"),
+     ("a.csv", rows(l1="t,x/A"), "x/A: 'A' has an unknown unit"),
      ("a.csv", rows(l1="t [furlong],x"), "t [furlong]: 'furlong' has"),
      ("a.csv", rows(l1="t,x (" + 100_000 * " " + "!"), "has no column x"),
      ("a.csv", rows(l1="t,x (" + 100_000 * " " + "!)"), "has no column x"),
@@ -217,7 +217,7 @@ def rows(count=150, **changed):
      ("a.csv", rows(**{f"l{i}": f"{i},nan" for i in range(2, 152)}), "has no row in which all"),
      ("a.csv", rows(l60="inf,1"), "sample 59: not finite"),
      ("a.csv", rows(l60="0.057,1"), "sample 59: its time is not later than the previous time"),
-     ("a.csv", rows(l60="0.0584,1"), "sample 59: its time breaks the even step of 0.001 s"),
+     ("a.csv", rows(l60="0.0584,1"), "sample 59: its time is off the even step of 0.001 s"),
      ("a.csv", "t,x\n" + "".join(f"{i},1\n" for i in range(150)), "x does not change"),
      ("a.nc", "t,x", "not an HDF5 or NetCDF 4 file, or damaged"),
      ("a.csv", rows(l1="t,x [um],x [nm]"), "two columns for x"),
@@ -401,22 +401,22 @@ def test_command_on_a_free_bead_and_on_a_camera(command_line):
     write_table("camera.csv", camera, "t,x")
     blind = command_line("calibrate", "camera.csv", *KNOWN)
     assert blind.out.count("not trusted: 1") == 7  # six methods, and the corner frequency
-    assert " 1  its positions look averaged over" in blind.out
+    assert " 1  its positions seem averaged over" in blind.out
     seen = command_line("calibrate", "camera.csv", *KNOWN, "--exposure", f"{STEP} s")
     assert "not trusted" not in seen.out
 
 
 @pytest.mark.parametrize(
     ("options", "complaint"),
-    [([], "mine.csv: needs --temperature"),
+    [([], "mine.csv: requires --temperature"),
      (["--temperature", "20 degC", "--radius", "1 um", "--density", "2000"],
-      "mine.csv: --density needs --radius and --viscosity"),
-     (["--temperature", "20 degC", "--density", "2000"], "mine.csv: --density needs --radius"),
+      "mine.csv: --density requires --radius and --viscosity"),
+     (["--temperature", "20 degC", "--density", "2000"], "mine.csv: --density requires --radius"),
      (["--temperature", "20 s"], "--temperature '20 s': has the wrong unit"),
      ([*KNOWN, "--skip", "-1"], "--skip '-1': must be from 0"),
      ([*KNOWN, "--skip", "10 s"], "mine.csv: has 0 samples"),
      (["--temperature", "0"], "--temperature '0': must be from 50 to 5000 K"),
-     ([*KNOWN, "--exposure", "1 s"], "mine.csv: exposure = 1 s: must be from 0 to the step"),
+     ([*KNOWN, "--exposure", "1 s"], "mine.csv: exposure = 1 s: must be from 0 to the sampling"),
      ([*KNOWN, "--out", "k.nc"], "k.nc: must end in .json")],
 )  # fmt: skip
 def test_bad_options_are_refused_in_one_line(command_line, positions, options, complaint):
@@ -436,7 +436,7 @@ def test_command_on_a_run(command_line, run):
     )  # fmt: skip
     outcome = command_line("calibrate", "run.nc", "--temperature", "300 K")
     assert (outcome.code, outcome.err) == (
-        2, "run.nc: its scene has the temperature; not to be given\n",
+        2, "run.nc: does not accept the temperature, which its scene has\n",
     )  # fmt: skip
 
 

@@ -81,7 +81,7 @@ def test_store_with_another_chunk_in_place_of_one_is_refused(name):
                 continue
             chunk.write_bytes(content)
             of = chunk.relative_to(path)
-            expected = f"{of} is (not the chunk that was saved|cut short or damaged)"
+            expected = f"{of} (differs from the chunk that was saved|is cut short or damaged)"
             with pytest.raises(tweezer.ResultError, match=expected):
                 load_result(path)
             replaced += 1
@@ -98,7 +98,9 @@ def test_store_of_the_last_release_is_read():
     (path / ".sha256").write_text(digest)
     assert tweezer.compare(path, sound() / "sweep.zarr").same
     (path / ".sha256").write_text(digest[:-1] + "x")
-    with pytest.raises(tweezer.ResultError, match=r"damaged: its zarr\.json is not what was saved"):
+    with pytest.raises(
+        tweezer.ResultError, match=r"damaged: its zarr\.json differs from what was saved"
+    ):
         load_result(path)
 
 
@@ -123,7 +125,7 @@ def test_json_with_another_number_is_refused(name):
     within = whole if name[0] == "c" else whole["trap"]
     within[key] = 1.5 * (within[key] or 1e-6)
     path.write_text(json.dumps(whole))
-    expected = rf'^{name}: damaged: .* not what was saved; .* delete the key "sha256"$'
+    expected = rf'^{name}: damaged: .* differs from what was saved; .* delete the key "sha256"$'
     for read in (lambda it: tweezer.compare(it, sound() / name), read_json):
         with pytest.raises(tweezer.ResultError, match=expected):
             read(path)

@@ -147,9 +147,9 @@ def test_a_run_that_something_else_has_written_or_changed_is_read(turning_run, t
 
 def test_a_scene_that_is_none_is_a_result_error(turning_run):
     for scene in ("{", "{}", '{"bead": 3}', 7):
-        with pytest.raises(ResultError, match="it names no valid scene"):
+        with pytest.raises(ResultError, match="it contains no valid scene"):
             tweezer.scene_of(turning_run.assign_attrs(scene=scene))
-    with pytest.raises(ResultError, match="it names no valid scene"):
+    with pytest.raises(ResultError, match="it contains no valid scene"):
         tweezer.scene_of(turning_run.drop_attrs())
 
 
@@ -174,7 +174,7 @@ def test_files_that_are_no_runs(tmp_path):
         tweezer.load_run(text)
     other = tmp_path / "other.nc"
     xr.Dataset({"height": ("time", [1.0, 2.0])}).to_netcdf(other, engine="h5netcdf")
-    with pytest.raises(ResultError, match="names no scene"):
+    with pytest.raises(ResultError, match="contains no scene"):
         tweezer.load_run(other)
 
 
@@ -184,7 +184,7 @@ def test_a_result_of_another_kind_is_told(turning_run, tmp_path):
     path = tweezer.save_run(heights, tmp_path / "heights.nc")
     for reads, error, expected in (
         (tweezer.load_run, ResultError, "not a saved run: is a trap over heights; `xarray.open_da"),
-        (tweezer.view, ResultError, "is a trap over heights; `tweezer view` takes a sweep, "),
+        (tweezer.view, ResultError, "is a trap over heights; `tweezer view` accepts a sweep, "),
         (lambda path: tweezer.compare(path, path), ResultError, "is a trap over heights; `tweezer"),
         (tweezer.load_scene, tweezer.SceneError, "is a trap over heights, not a scene$"),
     ):
@@ -200,7 +200,7 @@ def test_a_result_of_another_kind_is_told(turning_run, tmp_path):
 def test_a_part_that_does_not_do_is_told(turning_run):
     for part, expected in (
         (turning_run.isel(time=slice(0, 0)), "a run without a sample"),
-        (turning_run.isel(time=0), "no position over time; a slice takes a part"),
+        (turning_run.isel(time=0), "no position over time; select a part"),
         (turning_run[["speed"]], "not a run: it has no position"),
     ):
         for of in (tweezer.view, tweezer.summarise, lambda part: tweezer.compare(part, part)):

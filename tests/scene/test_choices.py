@@ -106,7 +106,7 @@ for name in ("mine", "also-mine"):
     assert repr(name) in refused(simulation={"method": "newton"})
 assert "'slow'" in refused(simulation={"model": "fast"})
 assert "'by-hand'" in refused(optics={"evaluator": "guess"})
-assert "is for forces.brownian = true" in refused(simulation={"method": "mine"})
+assert "requires forces.brownian = true" in refused(simulation={"method": "mine"})
 assert "set simulation.model to overdamped" in refused(
     forces={"brownian": True}, simulation={"method": "mine", "model": "full"}
 )

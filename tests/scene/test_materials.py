@@ -151,7 +151,7 @@ def test_layers_of_materials_weigh_what_their_volumes_do():
          "known from 0.5 to 1.2 um, not at 0.405 um; give bead.layers.0.refractive_index"),
         ({"material": "polystirene", "radius": 5e-7}, {}, "bead.material = 'polystirene': allowed"),
         ({"material": "gold", "layers": [{"material": "gold", "radius": 5e-7}]}, {},
-         "bead.material = gold: not beside layers"),
+         "bead.material = gold: cannot be combined with layers"),
         ({"layers": [{"refractive_index": 2, "radius": 5e-7}]}, {}, "bead.density: missing"),
     ],
 )  # fmt: skip
@@ -169,7 +169,7 @@ def test_beams_of_two_colours_need_an_index():
     water = {**scene, "medium": {"name": "water", "temperature": 300}}
     layers = [{"material": "silica", "radius": 4e-7}, {"material": "gold", "radius": 5e-7}]
     within = {"layers": [{**layers[0], "refractive_index": 1.45}, layers[1]]}
-    several = "another index for each of the beams' wavelengths; give"
+    several = "a different index at each of the beams' wavelengths; give"
     for line, wrong in [
         (f"bead.material = 'silica': has {several} bead.refractive_index", scene),
         (f"bead.material = 'silica' and medium.name = 'water': have {several} "

@@ -46,7 +46,7 @@ def test_values_of_a_key(text, values):
         ("bead.diameter=1um..2um:1", "COUNT must be from 2"),
         ("bead.diameter=1um..2um:5:lin", "must be FROM..TO:COUNT"),
         ("bead.diameter=0um..2um:5:log", "both ends must be above 0"),
-        ("bead.diameter=1uX..2um:5", "over bead.diameter = '1uX': has a unit that is not known"),
+        ("bead.diameter=1uX..2um:5", "over bead.diameter = '1uX': has an unknown unit"),
         ("bead.diameter=1um,2mW", "over bead.diameter = '2mW': has the wrong unit"),
         ("optics.theory=a..b:3", "an end of a range must be a number"),
         ("bead.diametr=1um", "bead.diametr: unknown key; did you mean bead.diameter?"),

@@ -204,11 +204,11 @@ def test_what_is_there_is_not_lost(whole, tmp_path):
     foreign = tmp_path / "sweep.zarr.part"
     foreign.mkdir()
     (foreign / "notes.txt").write_text("mine")
-    with pytest.raises(tweezer.ResultError, match="already exists and is of no sweep"):
+    with pytest.raises(tweezer.ResultError, match="already exists and belongs to no sweep"):
         tweezer.sweep(SCENE, OVER, out=out, workers=1)
     (foreign / "notes.txt").rename(foreign / "journal.jsonl")
     for resume in (False, True):
-        with pytest.raises(tweezer.ResultError, match="already exists and is of no sweep"):
+        with pytest.raises(tweezer.ResultError, match="already exists and belongs to no sweep"):
             tweezer.sweep(SCENE, OVER, out=out, workers=1, resume=resume)
     assert (foreign / "journal.jsonl").read_text() == "mine"
 
@@ -373,7 +373,7 @@ def test_figures(whole):
     curves = [bars.lines[0].get_ydata() for bars in panel.containers]
     assert np.allclose(curves, 1e6 * family["stiffness"].sel(axis="x").values, rtol=1e-12)
     assert [text.get_text() for text in drawn[0].get_legend().get_texts()] == ["5 mW", "50 mW"]
-    with pytest.raises(tweezer.ResultError, match="a figure is of one or two keys"):
+    with pytest.raises(tweezer.ResultError, match="a figure requires one or two keys"):
         sweep_figure(result)
     wide = xr.concat([result] * 5, "bead.diameter").isel({"lens.numerical_aperture": 1})
     wide = xr.concat([wide] * 5, "beam.power_through_pupil")
@@ -419,5 +419,5 @@ def test_what_cannot_be_drawn_is_not_computed(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     arguments = ["sweep", "silica-1um", "--over", "bead.diameter=1um", "--plot", "a.png"]
     found = CliRunner().invoke(app, arguments).exception
-    assert str(found) == "a figure is of one or two keys with several values, not 0"
+    assert str(found) == "a figure requires one or two keys with several values, not 0"
     assert not any(tmp_path.iterdir())

@@ -116,7 +116,7 @@ def test_figures_draw(by_bead, number):
 
 
 def test_figure_of_another_bead_is_refused(by_bead):
-    with pytest.raises(SceneError, match=r"5\.1: is of the 500nm bead, not 990nm"):
+    with pytest.raises(SceneError, match=r"5\.1: shows the 500nm bead, not 990nm"):
         thesis.figure("5.1", by_bead["990nm"])
 
 
@@ -425,7 +425,7 @@ def test_bad_requests_are_one_line(tmp_path):
     with pytest.raises(SceneError, match=r"^seed = -1: must be a whole number"):
         thesis.reproduce(["5.1"], tmp_path / "none", seed=-1)
     assert not (tmp_path / "none").exists()
-    with pytest.raises(ResultError, match=r"folder: cannot be made: No such file or directory"):
+    with pytest.raises(ResultError, match=r"folder: cannot be created: No such file or directory"):
         thesis.reproduce(["5.1"], tmp_path / "no" / "folder")
-    with pytest.raises(ResultError, match=r"file: cannot be made: File exists"):
+    with pytest.raises(ResultError, match=r"file: cannot be created: File exists"):
         thesis.reproduce(["5.1"], tmp_path / "file")

@@ -88,7 +88,7 @@ def test_size_and_power_of_an_exact_record(found):
 
     Diffusion is told by 2 N steps to sqrt(2/(2 N)) or somewhat worse for a bead that is blurred.
     """
-    assert found.statement == f"the record determines {DIAMETER} and {POWER}"
+    assert found.statement == f"the recording determines {DIAMETER} and {POWER}"
     for key, true in ((DIAMETER, 1e-6), (POWER, 10e-3)):
         each = found[key]
         assert abs(each.value - true) < 4 * each.uncertainty
@@ -169,7 +169,7 @@ def test_fit_of_fast_record_has_the_inertia_of_bead_and_fluid(remembering):
     scene, recording = remembering
     guess = scene.replace(bead={"diameter": "1.05 um"})
     found = tweezer.fit(recording, guess, free=[DIAMETER])
-    assert found.statement == f"the record determines {DIAMETER}"
+    assert found.statement == f"the recording determines {DIAMETER}"
     assert "inertia of the bead and of the fluid" in found.likelihood
     assert "steps of 10 us" in found.likelihood
     assert abs(found[DIAMETER].value - 1e-6) < 4 * found[DIAMETER].uncertainty
@@ -182,7 +182,7 @@ def test_fit_without_inertia_of_a_record_that_has_it_is_refuted(remembering):
     found = tweezer.fit(recording, wrong, free=[DIAMETER])
     assert "without inertia" in found.likelihood
     assert found.p_value < 0.01
-    assert "the spectrum is not that of the scene" in found.statement
+    assert "the spectrum disagrees with the scene" in found.statement
     assert not found.determined
 
 
@@ -226,7 +226,9 @@ def test_recording_that_begins_outside_the_trap_is_refused_with_the_time_to_skip
     falling = 2e-6 * np.exp(-np.arange(before) / 30)[:, None] * np.array([1.0, 0.0, 0.3])
     seen = np.vstack([falling + recording.positions[:before], recording.positions[before:]])
     begun = dataclasses.replace(recording, positions=seen)
-    with pytest.raises(ResultError, match=r"drawn: x starts .* standard deviations off") as refused:
+    with pytest.raises(
+        ResultError, match=r"drawn: x starts .* standard deviations from"
+    ) as refused:
         tweezer.fit(begun, scene, free=[DIAMETER])
     time = str(refused.value).partition('--skip "')[2].partition('"')[0]
     later = begun.since(time)
@@ -287,7 +289,7 @@ def test_a_wrong_camera_is_noticed(scene, recording):
     """Frames of half the exposure would be noisier than these."""
     other = scene.replace(camera={"exposure": 0.0})
     found = tweezer.fit(recording, other, free=[POWER])
-    assert "the spectrum is not that of the scene" in found.statement
+    assert "the spectrum disagrees with the scene" in found.statement
     assert not found.determined
 
 
@@ -295,7 +297,7 @@ def test_what_cannot_be_told_apart_is_named(scene, recording):
     """k/beta and k_B T/beta are two numbers: power, viscosity and temperature are three."""
     free = [POWER, "medium.viscosity", "medium.temperature"]
     found = tweezer.fit(recording, scene, free=free)
-    assert found.statement.startswith("the record does not determine ")
+    assert found.statement.startswith("the recording does not determine ")
     assert all(key in found.statement for key in free)
     assert "10 % more" in found.statement
     assert "fits as well" in found.statement
@@ -318,7 +320,7 @@ def test_command(scene, recording, command_line):
     (key,) = json.loads(Path("fit.json").read_text())["keys"]
     exact = tweezer.fit(recording, scene, free=[POWER])[POWER]
     assert key["value"] == pytest.approx(exact.value, rel=1e-3)
-    assert f"the record determines {POWER}" in done.out
+    assert f"the recording determines {POWER}" in done.out
     assert "mW" in done.out
     assert Path("fit.png").read_bytes().startswith(b"\x89PNG")
 
@@ -373,7 +375,7 @@ def test_exit_code_of_a_fit_that_determines_nothing_is_1(recording, command_line
         "--out", "fit.json",
     )  # fmt: skip
     assert done.code == 1
-    assert "the spectrum is not that of the scene" in done.out
+    assert "the spectrum disagrees with the scene" in done.out
     assert not json.loads(Path("fit.json").read_text())["keys"][0]["determined"]
 
 
@@ -382,15 +384,15 @@ def test_exit_code_of_a_fit_that_determines_nothing_is_1(recording, command_line
     [({}, [], "free: nothing to fit"),
      ({}, ["bead.size"], "bead.size: unknown key"),
      ({}, ["beam.polarisation"], "free = 'beam.polarisation': is not a quantity"),
-     ({}, ["beam.power"], "free = 'beam.power': the scene has no value of it"),
-     ({"camera": {"noise": 0}}, ["camera.noise"], "must have a first guess above 0"),
+     ({}, ["beam.power"], "free = 'beam.power': the scene has no initial value"),
+     ({"camera": {"noise": 0}}, ["camera.noise"], "must have an initial value above 0"),
      ({}, [POWER, POWER], "given more than once"),
-     ({"camera": {"rate": 1000}}, [POWER], "its camera has rate = 2000, and the scene, or"),
-     ({}, ["simulation.duration"], "tells nothing of a bead at rest"),
-     ({}, ["bead.radius", DIAMETER], "bead.radius or diameter: not both"),
+     ({"camera": {"rate": 1000}}, [POWER], "its camera has rate = 2000, but the scene or"),
+     ({}, ["simulation.duration"], "does not affect a bead at rest"),
+     ({}, ["bead.radius", DIAMETER], "bead.radius or diameter: give only one"),
      ({"beam": {"power_through_pupil": 1e-9}}, [POWER], "the light holds no bead"),
      ({"beam": {"motion": {"kind": "ramp", "velocity": [1e-6, 0, 0]}}}, [POWER],
-      "whose forces do not change in time")],
+      "forces that do not change in time")],
 )  # fmt: skip
 def test_refused(scene, recording, changes, free, line):
     with pytest.raises((SceneError, ResultError), match=line):
@@ -398,7 +400,7 @@ def test_refused(scene, recording, changes, free, line):
 
 
 def test_refused_recordings(scene, recording):
-    with pytest.raises(ResultError, match="needs a scene"):
+    with pytest.raises(ResultError, match="requires a scene"):
         tweezer.fit(recording, free=[POWER])
     volts = Recording(recording.times, recording.positions * 1e6, ("x", "y"), name="v", unit="V")
     with pytest.raises(ResultError, match="in volts"):
@@ -421,14 +423,14 @@ def test_a_guess_too_far_off_is_not_the_fault_of_the_record(scene, recording):
     found = tweezer.fit(
         recording, scene.replace(beam={"power_through_pupil": "80 mW"}), free=[POWER]
     )
-    assert f"{POWER} at an end of what was tried: begin nearer" in found.statement
+    assert f"{POWER} reached the end of its range; start with" in found.statement
     assert "determine" not in found.statement
 
 
 def test_cameras_of_several_records_must_agree(scene, recording):
     dark = tweezer.load_scene("silica-1um").replace(beam={"power_through_pupil": "10 mW"})
     sharp = dataclasses.replace(recording, exposure=0.0, noise=(NOISE, NOISE))
-    with pytest.raises(ResultError, match="its camera has exposure = 0, and the scene, or another"):
+    with pytest.raises(ResultError, match="its camera has exposure = 0, but the scene or another"):
         tweezer.fit([dataclasses.replace(sharp, exposure=1 / RATE), sharp], dark, free=[POWER])
 
 

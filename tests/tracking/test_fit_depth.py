@@ -451,12 +451,12 @@ def test_what_a_wall_leaves_out_of_the_fit_is_refused(beside):
     assert all(low > -1.5e-6 for low, _ in fit.intervals)
     for options, complaint in (
         ({"search": (-1.6e-6, 0.0)}, "reaches into the wall"),
-        ({"fit": ["scaling_factor"]}, "needs simulation.model = 'scaled'"),
+        ({"fit": ["scaling_factor"]}, "requires simulation.model = 'scaled'"),
     ):
         with pytest.raises(ResultError, match=complaint):
             tweezer.fit_depth(track, beside, **options)
     screened = beside.replace(forces={"dlvo": {"strength": 1e-19, "debye_length": "10 nm"}})
-    with pytest.raises(ResultError, match=r"fit = 'power': not with forces\.dlvo"):
+    with pytest.raises(ResultError, match=r"fit = 'power': cannot be combined with forces\.dlvo"):
         tweezer.fit_depth(track, screened, fit=["power"])
     scaled = beside.replace(simulation={"model": "scaled", "scaling_factor": 1e-3})
     with pytest.raises(SceneError, match="fitted without inertia"):
@@ -619,7 +619,7 @@ def test_a_noise_that_is_none_is_not_determined(scene):
     )
     (noise,) = fit.parameters
     assert noise.uncertainty is None
-    assert "the noise is too small for the track to tell" in fit.statement
+    assert "the noise is too small to be determined" in fit.statement
 
 
 @pytest.mark.parametrize(
@@ -666,10 +666,10 @@ def text(heading="t [ms],x [um],y [um]", **changed):
      ("\n".join(text().splitlines()[:9]) + "\n", (), "must have 10 or more"),
      ("t [ms],x [um],y [um]\n", (), "track.csv: has no frame with x and y"),
      (text(), ("--noise", "1 mm"), "noise = 0.001 m: must be from 1e-10 to 1e-06 m"),
-     (text(), ("--search", "1 um", "-1 um"), "must go from a z to a larger one"),
+     (text(), ("--search", "1 um", "-1 um"), "must be an ascending range of z"),
      (text(), ("--search", "1 kg", "-1 um"), "--search '1 kg'"),
      (text(), ("--fit", "colour"), "fit = 'colour': allowed: power, radius"),
-     (text(), ("--fit", "scaling_factor"), "needs simulation.model = 'scaled'"),
+     (text(), ("--fit", "scaling_factor"), "requires simulation.model = 'scaled'"),
      (text(), ("--search", "-1 mm", "0 um"), "must be nearer than twice"),
      (text(), ("--out", "d.txt"), "must end in .json")],
 )  # fmt: skip

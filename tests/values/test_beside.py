@@ -93,7 +93,7 @@ def test_foreign_file_beside_output_is_refused_and_kept(name, resume, tmp_path):
     for what, make in foreign.items():
         make()
         before, links = content(tmp_path), sorted(tmp_path.rglob("*"))
-        with pytest.raises(tweezer.ResultError, match="already exists and is "):
+        with pytest.raises(tweezer.ResultError, match=r"already exists and (is not|belongs)"):
             MAKES[name](out, resume=resume)
         assert content(tmp_path) == before, what
         assert sorted(tmp_path.rglob("*")) == links, what
@@ -125,7 +125,7 @@ def test_journal_that_is_foreign_is_refused_in_a_folder_of_its_own(tmp_path):
     ):
         journal.unlink()
         make()
-        with pytest.raises(tweezer.ResultError, match="already exists and is no journal"):
+        with pytest.raises(tweezer.ResultError, match="already exists and is not a journal"):
             tweezer.sweep(SCENE, over, out=out, workers=1, resume=True)
         assert thesis.read_text() == "precious"
     journal.rmdir()

@@ -152,7 +152,7 @@ def test_null_in_the_file_of_a_command_is_nan(tmp_path):
 @pytest.mark.parametrize(
     ("result", "name", "reason"),
     [
-        (xr.Dataset(), "x.nc", "Dataset is no result of tweezer"),
+        (xr.Dataset(), "x.nc", "Dataset is not a result of tweezer"),
         (3, "x.json", "this int is no result"),
         ((), "x.json", "this tuple is no result"),
         (tuning(), "x.nc", "must end in .json"),
@@ -167,7 +167,7 @@ def test_what_cannot_be_saved_is_refused(result, name, reason, tmp_path):
 def test_a_file_of_another_content_is_refused(tmp_path):
     path = tmp_path / "x.json"
     path.write_text('{"a": 1}')
-    with pytest.raises(tweezer.ResultError, match="no result that is known"):
+    with pytest.raises(tweezer.ResultError, match="not a known kind of result"):
         tweezer.load(path)
 
 
@@ -189,14 +189,14 @@ def test_tuples_that_are_no_result_are_refused(tmp_path):
     for several in ((calibration(), calibration()), (surface(),), (calibration(), 3)):
         with pytest.raises(tweezer.ResultError, match="tuple is no result"):
             tweezer.save(several, tmp_path / "x.json")
-        with pytest.raises(tweezer.ResultError, match="no result that is known"):
+        with pytest.raises(tweezer.ResultError, match="not a known kind of result"):
             tweezer.compare(several, calibration())
 
 
 def test_arrays_tables_and_dictionaries_are_no_results(tmp_path):
     field = tweezer.light(SCENE).field([0, 0, 0])
     for wrong in (field["force"], field["force"].to_series(), {"scene": 1, "trap": 2}):
-        with pytest.raises(tweezer.ResultError, match="is no result of tweezer"):
+        with pytest.raises(tweezer.ResultError, match="is not a result of tweezer"):
             tweezer.save(wrong, tmp_path / "x.nc")
 
 

@@ -137,7 +137,7 @@ def test_a_force_of_quantities():
 @pytest.mark.parametrize(
     ("make", "told"),
     [
-        (lambda: UserForce(nothing, (1.0, "20 pN/foo")), "entries[1]: has a unit that is not know"),
+        (lambda: UserForce(nothing, (1.0, "20 pN/foo")), "entries[1]: has an unknown unit"),
         (lambda: UserForce(nothing, ("20",)), "entries[0]: has no unit"),
         (lambda: UserForce(nothing, (["1 um", "1 s"],)), "entries[0]: has units of different"),
         (lambda: UserForce(nothing, (None,)), "entries[0]: must be numbers"),
@@ -146,7 +146,7 @@ def test_a_force_of_quantities():
         (lambda: UserForce(nothing, (1j,)), "entries[0]: must be numbers"),
         (
             lambda: UserForce(nothing, ([[1.0], [1.0, 2.0]],)),
-            "entries[0]: must be numbers, as many",
+            "entries[0]: must be numbers, equally many",
         ),
         (lambda: UserForce(nothing, step="1 s"), "step: has the wrong unit"),
         (lambda: UserForce(nothing, step="-1 nm"), "step: must be above 0"),

@@ -172,7 +172,7 @@ def test_a_saved_trap_is_the_trap(trap, tmp_path):
     ):
         assert wrong != whole
         path.write_text(wrong)
-        with pytest.raises(tweezer.ResultError, match="no saved trap"):
+        with pytest.raises(tweezer.ResultError, match="not a saved trap"):
             saved_trap.load_trap(path)
 
 

@@ -242,7 +242,7 @@ def test_the_command_writes_a_page(turning_run, command_line, tmp_path, monkeypa
     (tmp_path / "own.html").write_text("<h1>not of tweezer</h1>")
     outcome = command_line("view", "run.nc", "--out", "own.html")
     said = (
-        "own.html: already exists, and is no page of tweezer; choose another --out or pass "
+        "own.html: already exists and is not a page of tweezer; choose another --out or pass "
         "--overwrite\n"
     )
     assert (outcome.code, outcome.err) == (2, said)
@@ -263,8 +263,8 @@ def test_the_command_writes_a_page(turning_run, command_line, tmp_path, monkeypa
     [(["silica"], "no scene file 'silica'"),
      (["there.nc"], "there.nc: no such file"),
      (["there.zarr"], "there.zarr: no such folder"),
-     (["there.nc", "--set", "beam.power=1 W"], "--set: is for a scene; there.nc is a result"),
-     (["there.nc", "--trap"], "--trap: is for a scene"),
+     (["there.nc", "--set", "beam.power=1 W"], "--set: requires a scene, but there.nc is a result"),
+     (["there.nc", "--trap"], "--trap: requires a scene"),
      (["silica-1um", "--out", "a.txt"], "a.txt: must end in .html"),
      (["silica-1um", "--movie", "a.avi"], "a.avi: must end in .mp4, .gif"),
      (["silica-1um", "--movie", "a.gif", "--seconds", "0"], "--seconds 0: must be above 0"),
@@ -281,7 +281,7 @@ def test_a_film_names_the_programs_that_are_missing(command_line, monkeypatch):
     monkeypatch.setattr("shutil.which", lambda name: None)
     outcome = command_line("view", "silica-1um", "--movie", "a.mp4")
     assert outcome.code == 2
-    needed = "a film needs Chromium and chromedriver and ffmpeg, not on this machine\n"
+    needed = "a film requires Chromium and chromedriver and ffmpeg, which cannot be found\n"
     assert outcome.err == needed
 
 
@@ -307,7 +307,8 @@ def test_a_film_has_the_pictures_in_their_order(page, ending, tmp_path, monkeypa
 
 def test_what_no_page_shows_is_refused():
     with pytest.raises(
-        tweezer.ResultError, match="int: is no result that is known; `tweezer view` takes a sweep, "
+        tweezer.ResultError,
+        match="int: is not a known kind of result; `tweezer view` accepts a sweep, ",
     ):
         tweezer.view(3)
 

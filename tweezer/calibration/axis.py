@@ -86,7 +86,7 @@ def along(record: Record) -> AxisCalibration:
         if not 0 < uncertainty <= _UNCERTAIN * abs(k):
             against.insert(len(findings), Finding("undetermined", "not determined"))
         elif apart > _APART:
-            text = f"{apart:.2g} standard uncertainties from that of the power spectrum"
+            text = f"{apart:.2g} standard uncertainties from the value by the power spectrum"
             against.append(Finding("apart", f"{method}: {text}"))
         estimates.append(Estimate(method, k, uncertainty, tuple(against)))
     relative = fits.fit.uncertainty
@@ -136,7 +136,7 @@ def _numbers(
     scene, step = record.recording.scene, record.recording.step
     fit, bead, made_by = fits.fit, fits.fit.bead, []
     if scene is not None and scene.simulation.method == "one-call":
-        text = "simulated by one-call: displacements from step to step are not the bead's"
+        text = "simulated by one-call, whose displacements from step to step are not physical"
         made_by = [Finding("one-call", text)]
 
     def too_few(method: str) -> list[Finding]:
@@ -176,7 +176,7 @@ def _disagreeing(
     """
     squares = sum(each.per(response).misfit(fit.bead) ** 2 for each in answers)
     if len(answers) > 1 and chdtrc(len(answers) - 1, squares) < IMPROBABLE:
-        text = "its answers to the stage at different frequencies contradict each other"
+        text = "its responses to the stage at different frequencies contradict each other"
         yield Finding("drive", text)
 
 
@@ -190,8 +190,8 @@ def _jumping(fit: WhittleFit, step: float, jumps: float) -> Iterator[Finding]:
     off = jumps * step / (2 * fit.bead.relaxation_time)
     if off >= HARM * fit.uncertainty(0, 0, 1):
         yield Finding(
-            "drive", f"the stage jumps between two samples, which leaves {100 * off:.2g} % open: "
-            "move it steadily, as a triangle or a sine, or sample faster"
+            "drive", f"the stage jumps between two samples, an uncertainty of {100 * off:.2g} %: "
+            "move it continuously (triangle or sine), or sample faster"
         )  # fmt: skip
 
 
@@ -201,8 +201,8 @@ def _unfollowed(frequencies: tuple[float, ...]) -> Iterator[Finding]:
         at = " and ".join(f"{each:.3g}" for each in frequencies[:_TOLD])
         more = " and more" if len(frequencies) > _TOLD else ""
         yield Finding(
-            "sensor", f"at {at} Hz{more} the bead does not follow the stage: the sensor of the "
-            "stage has noise there, which is left out"
+            "sensor", f"at {at} Hz{more} the bead does not follow the stage: this is noise of "
+            "the stage sensor, and is excluded"
         )  # fmt: skip
 
 
@@ -215,7 +215,7 @@ def _roaming(bead: TrappedBead, height: Height | None) -> Iterator[Finding]:
     if part >= _ROAMING:
         yield Finding(
             "height", f"the bead moves by {printed(deviation, 'nm', 2)} rms across the wall, "
-            f"{part:.2g} of the gap: its drag is a mean over heights"
+            f"{part:.2g} of the gap, so its drag is a mean over heights"
         )  # fmt: skip
 
 
@@ -231,8 +231,8 @@ def _late(fit: WhittleFit, answers: tuple[Answer, ...], response: float) -> Iter
             delay = printed(abs(late / (2 * math.pi * each.frequency)), "ms", 2)
             way = "behind" if late > 0 else "before"
             yield Finding(
-                "late", f"at {each.frequency:.4g} Hz the record is {delay} {way} the bead that the "
-                "stage drives; only the size of the answer is used"
+                "late", f"at {each.frequency:.4g} Hz the signal is {delay} {way} the driven bead; "
+                "only the amplitude of the response is used"
             )  # fmt: skip
             return
 
@@ -241,7 +241,7 @@ def _late(fit: WhittleFit, answers: tuple[Answer, ...], response: float) -> Iter
 _WORDS = {
     "exposure": ("the exposure", "below", "ms"),
     "diode_frequency": ("the frequency of a diode", "above", "kHz"),
-    "diode_fraction": ("the part that a diode detects at once", "below", ""),
+    "diode_fraction": ("the fraction that a diode detects without delay", "below", ""),
     "noise": ("white noise", "below", "nm"),
 }
 
@@ -258,7 +258,7 @@ def _undetermined(detector: tuple[Detected, ...], unit: str) -> Iterator[Finding
         what, side, of = _WORDS[each.name]
         of = signal_unit(unit) if each.name == "noise" else of
         bound = "" if each.limit is None else f": {side} {printed(each.limit, of, 2)} (95 %)"
-        yield Finding("undetermined", f"the record does not determine {what}{bound}")
+        yield Finding("undetermined", f"the recording does not determine {what}{bound}")
 
 
 def _spectrum_fit(fit: WhittleFit) -> SpectrumFit:

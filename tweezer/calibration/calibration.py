@@ -142,7 +142,10 @@ def calibrate(
     """
     recording = source if isinstance(source, Recording) else load_recording(source, drive)
     if isinstance(source, Recording) and drive is not None:
-        raise ResultError(f"{recording.name}: is read already; its drive is its own")
+        raise ResultError(
+            f"{recording.name}: `drive` applies only when a file is read; this `Recording` has its "
+            "own drive"
+        )
     setup = Setup(
         temperature=temperature, drag=drag, mass=mass, displaced_mass=displaced_mass, wall=wall,
         radius=radius, viscosity=viscosity, exposure=exposure, diode=diode, noise=noise,
@@ -172,8 +175,8 @@ def calibrated(recording: Recording, setup: Setup) -> Calibration:
                 axes[record.axis] = along(dataclasses.replace(record, beside=beside))
         except (ArithmeticError, ValueError, np.linalg.LinAlgError, LinAlgWarning):
             raise ResultError(
-                f"{recording.name}: {record.axis}: no trapped bead moves like this; is it noise, "
-                "or a signal of another kind?"
+                f"{recording.name}: {record.axis}: the signal is not that of a trapped bead; "
+                "it may be noise, or another quantity"
             ) from None
     in_order = ByAxis(axes[axis] for axis in recording.axes)
     detector = known.detector
@@ -192,13 +195,13 @@ def _records(recording: Recording, known: Known) -> list[Record]:
         drive = Drive.of(recording.drive, recording.step)
         if drive is None:
             raise ResultError(
-                f"{recording.name}: the drive does not move to and fro; it must be the column of a "
+                f"{recording.name}: the drive does not oscillate; it must be the column of a "
                 "moving stage"
             )
     if recording.unit == "V" and known.drag is None and drive is None:
         raise ResultError(
-            f"{recording.name}: in volts: needs the drag, or the motion of the stage that drives "
-            "the bead"
+            f"{recording.name}: in volts: requires the drag, or the motion of the stage that "
+            "drives the bead"
         )
     unmeasured = digits.of_samples(recording.positions) if recording.scene is None else ()
     records = []
@@ -209,7 +212,7 @@ def _records(recording: Recording, known: Known) -> list[Record]:
             Record(recording, axis, known, still, answers, drive, unfollowed, unmeasured)
         )
     if drive and not any(each.answers for each in records):
-        raise ResultError(f"{recording.name}: no axis moves as the drive does")
+        raise ResultError(f"{recording.name}: no axis follows the drive")
     return sorted(records, key=lambda each: not each.answers)
 
 

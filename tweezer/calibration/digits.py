@@ -51,7 +51,7 @@ def of_samples(positions: Array) -> tuple[Finding, ...]:
     n = len(positions)
     way = "record each frame once, with its time"
     if missing.marks.any():
-        text = f"{missing.said[0].partition(':')[0]}: leave out lost frames"
+        text = f"{missing.said[0].partition(':')[0]}: omit lost frames"
         found.append(Finding("lost", text))
     if missing.repeated.any():
         share = f"{100 * missing.repeated.mean():.2g} % of its {n:,} samples"
@@ -59,7 +59,7 @@ def of_samples(positions: Array) -> tuple[Finding, ...]:
         found.append(Finding("repeated", text))
     if missing.between.any():
         share = f"{100 * missing.between.mean():.2g} % of its {n:,} samples"
-        text = f"{share} lie exactly between their neighbours, as interpolated ones: {way}"
+        text = f"{share} are exactly between their neighbours, as if interpolated: {way}"
         found.append(Finding("interpolated", text))
     if said := copied(positions[~(missing.marks | missing.copies)]):
         found.append(Finding("copied", f"{said}: read the samples once"))
@@ -113,7 +113,7 @@ def _rounded(positions: Array, noise: float, unit: str, error: float) -> Finding
     of = signal_unit(unit)
     text = f"its positions are whole multiples of {printed(step, of, 3)}"
     if math.sqrt(moved) < _INDEPENDENT * step:
-        return Finding("rounded", f"{text}, more than it moves in a step: record more digits")
+        return Finding("rounded", f"{text}, more than it moves between samples: record more digits")
     if noise >= _INCLUDED * math.sqrt(rounding):
         return None
     white = printed(math.sqrt(rounding), of, 3)
@@ -135,8 +135,8 @@ def _in_turn(positions: Array) -> Finding | None:
         continues = (far @ far) / len(far) < _IN_TURN * (near @ near) / len(near)
         if continues and _autocorrelation(far, beads - 1).max() < _APART:
             text = (
-                f"each sample continues the one {beads} before: are these rows of {beads} beads in "
-                "turn?"
+                f"each sample continues the one {beads} before; the rows may be of {beads} beads "
+                "in turn."
             )
             return Finding("turns", f"{text} Keep the rows of one bead")
     return None
@@ -155,7 +155,7 @@ def _shuffled(positions: Array) -> Finding | None:
     away = away / away.std()
     if _probable(away) and kstest(away, "norm").pvalue >= IMPROBABLE:
         return None
-    text = "its samples are independent and not Gaussian: are the rows in time order?"
+    text = "its samples are independent and not Gaussian; the rows may not be in time order."
     return Finding("order", f"{text} Read the column of times or frames too")
 
 

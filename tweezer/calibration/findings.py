@@ -173,20 +173,20 @@ def _stray(positions: Array, step: float) -> Finding | None:
     off, deviation = spread(positions)
     farthest = int(off.argmax())
     if deviation == 0:
-        return Finding("stuck", "more than half of its samples are the same number")
+        return Finding("stuck", "more than half of its samples are equal")
     for end, signed in (("largest", positions), ("smallest", -positions)):
         heap, following = (int((signed == each).sum()) for each in _two_largest(signed))
         if heap > max(_CLIPPED * len(positions), _HEAPED * following):
-            share = f"{100 * heap / len(positions):.2g} % of its samples are the {end} number"
-            return Finding("clipped", f"{share}: does the range of the detector end there?")
+            share = f"{100 * heap / len(positions):.2g} % of its samples equal the {end} one"
+            return Finding("clipped", f"{share}, probably the end of the range of the detector")
     begin = unsettled(positions, step) if off[0] > FAR * deviation else None
     if begin is not None:
         return Finding(
-            "start", f"it starts {begin.off:.2g} standard deviations off: leave out the beginning, "
-            f"--skip \"{time_taken(begin.time)}\""
+            "start", f"it starts {begin.off:.2g} standard deviations from the median: "
+            f"omit the beginning, --skip \"{time_taken(begin.time)}\""
         )  # fmt: skip
     if off[farthest] > FAR * deviation:
-        away = f"{off[farthest] / deviation:.2g} standard deviations off"
+        away = f"{off[farthest] / deviation:.2g} standard deviations from the median"
         return Finding("outlier", f"sample {farthest + 1} is {away}")
     return None
 
@@ -206,12 +206,15 @@ def _like_a_free_bead(duration: float, fits: Fits) -> Finding | None:
     bead, slowest = fits.free.bead, float(fits.free.periodogram.frequencies[0])
     relaxations = duration / bead.relaxation_time
     if relaxations < _RELAXATIONS:
-        text = f"the record is {relaxations:.2g} relaxation times: a free bead looks so too"
+        text = (
+            f"the recording lasts {relaxations:.2g} relaxation times, too few to exclude a free "
+            "bead"
+        )
         return Finding("free", text)
     least = bead.roll_off * (1 - _INTERVAL * fits.free.uncertainty(1, -1))
     if slowest * duration < _NEXT or least > slowest:
         return None
-    text = f"without what is slower than {slowest:.2g} Hz a free bead looks so too"
+    text = f"without motion slower than {slowest:.2g} Hz a free bead cannot be excluded"
     return Finding("free", text)
 
 
@@ -259,8 +262,8 @@ def _unsteady(positions: Array, step: float, fits: Fits, looks_free: bool) -> li
     strays = looks_free and samples * step < _LONG * steady.bead.relaxation_time
     if p_value < _UNLIKELY and share > HARM * math.sqrt(relative) and not strays:
         text = (
-            f"it drifts, {printed(math.sqrt(excess), 'nm', 2)} rms slower than {at[-1]:.2g} Hz: by "
-            f"that alone the variance is {100 * share:.0f} % too large, unless it is taken off"
+            f"it drifts, {printed(math.sqrt(excess), 'nm', 2)} rms below {at[-1]:.2g} Hz, which "
+            f"increases the variance by {100 * share:.0f} % unless it is removed"
         )
         found.append(Finding("drift", text))
     early, late = np.array_split(rest, 2)
@@ -363,15 +366,15 @@ def _white(
         return Finding("noise", f"{text}: give --noise fit")
     text = "the bead moves less from sample to sample than in a trap"
     if not exposure_known:
-        text += ": motion blur? Give the exposure"
+        text += ", probably by motion blur; give the exposure"
     if not free.bead.displaced_mass and float(part.frequencies[-1]) > _FAST:
         or_blur = "" if exposure_known else ", or motion blur"
         text = (
-            "the bead moves less from sample to sample than in a trap: by the inertia of the "
-            f"fluid{or_blur}?"
+            "the bead moves less from sample to sample than in a trap, probably by fluid "
+            f"inertia{or_blur}"
         )
     elif not free.bead.seen_as_it_is:
-        text = "the bead moves less from sample to sample than this detector would show"
+        text = "the bead moves less from sample to sample than this detector would record"
     return Finding("blur", text)
 
 
@@ -386,7 +389,7 @@ def _unknown_exposure(fit: WhittleFit, step: float) -> Finding | None:
     best = max(exposed, key=lambda each: each.log_likelihood)
     if math.erfc(math.sqrt(max(best.log_likelihood - fit.log_likelihood, 0))) < IMPROBABLE:
         return Finding(
-            "blur", "its positions look averaged over some "
+            "blur", "its positions seem averaged over about "
             f"{printed(best.bead.exposure, 'ms', 2)}, with a stiffness of "
             f"{printed(best.bead.stiffness, 'pN/um', 3)}: give the exposure"
         )  # fmt: skip
@@ -401,7 +404,7 @@ def _unknown_exposure(fit: WhittleFit, step: float) -> Finding | None:
     if worst.uncertainty(1, 0) > 1:
         k = "the stiffness would not be determined"
     return Finding(
-        "exposure", "the exposure is not given: were it "
+        "exposure", "the exposure is not given; if it were "
         f"{printed(worst.bead.exposure, 'ms', 2)}, {k}; give the exposure of the detector, or "
         "exposure = 0 if it does not average"
     )  # fmt: skip
@@ -450,8 +453,8 @@ def _line(fits: Fits, above: float) -> Finding | None:
     more = " and more" if len(peaks) > _LINES_TOLD else ""
     return Finding(
         "line", f"it oscillates at {' and '.join(told)} Hz{more}, "
-        f"{printed(math.sqrt(excess), 'nm', 2)} rms: by that alone the variance is "
-        f"{100 * share:.0f} % too large, unless it is left out"
+        f"{printed(math.sqrt(excess), 'nm', 2)} rms, which increases the variance by "
+        f"{100 * share:.0f} % unless it is removed"
     )  # fmt: skip
 
 
@@ -459,11 +462,11 @@ def _spectrum(free: WhittleFit) -> Finding | None:
     """Return a finding if the spectrum disagrees with the fit of stiffness and drag."""
     if spectrum_p_value(free) >= REFUTED:
         return None
-    text = "the spectrum is not that of a trapped bead"
+    text = "the spectrum disagrees with a trapped bead"
     highest = float(free.periodogram.frequencies[-1])
     if not free.bead.displaced_mass and highest > _FAST:
         below = printed(highest, "kHz", 2)
-        text += f"; up to {below} the inertia of the fluid counts: is it given?"
+        text += f"; at frequencies up to {below} fluid inertia matters; give it"
     return Finding("spectrum", text)
 
 
@@ -476,7 +479,9 @@ def _drag(fits: Fits) -> Finding | None:
     if chdtrc(1, max(gain, 0)) >= IMPROBABLE:
         return None
     ratio = fits.free.bead.drag / fits.fit.bead.drag
-    text = f"temperature and drag contradict the diffusion, that of {ratio:.3g} times this drag"
+    text = (
+        f"temperature and drag contradict the diffusion, which implies {ratio:.3g} times this drag"
+    )
     if ratio > 1 and fits.fit.bead.wall is None:
         text += ", as beside a wall"
     return Finding("drag", text)

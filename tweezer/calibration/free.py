@@ -350,7 +350,10 @@ def free_bead(
     ]
     every = [fit for fit in fits if fit is not None]
     if len(every) < len(fits):
-        raise ResultError(f"{name}: all of its steps are the same: no diffusion to tell")
+        raise ResultError(
+            f"{name}: all displacements are equal, so the diffusion coefficient cannot be "
+            "determined"
+        )
 
     def misfit(a: float) -> float:
         return sum(fit.misfit(a) for fit in every)
@@ -398,7 +401,7 @@ def free_bead(
             expected = Boltzmann * given.temperature / given.drag
             rise = max(misfit(math.log(2 * expected * step)) - least, 0.0) / wider
             if chdtrc(1, rise) < IMPROBABLE:
-                text = f"its diffusion is {D / expected:.3g} times Einstein's for what is given"
+                text = f"its diffusion is {D / expected:.3g} times Einstein's for the given values"
                 findings.append(Finding("Einstein", text))
     return Diffusion(
         name, D, error, (low, high), inferred, expected,
@@ -419,7 +422,7 @@ def _held(fits: Sequence[_Fit], best: float, freedom: float) -> list[Finding]:
         return []
     text = (
         f"the tracks end closer to their beginning than those of free beads, {squares.mean():.2g} "
-        "times the square: are the beads held?"
+        "times the square; the beads may be held"
     )
     return [Finding("confined", text)]
 
@@ -475,16 +478,16 @@ def _remarks(fits: Sequence[_Fit], step: float) -> tuple[str, ...]:
     said = []
     jumps = [f"{step * jump:.4g} s ({fit.axis})" for fit in fits for jump in fit.jumps]
     if of_all := sum(fit.left_out for fit in fits) - len(jumps):
-        said.append(f"left out: {of_all} steps as jumps")
+        said.append(f"omitted: {of_all} steps as jumps")
     if jumps:
         more = ", ..." if len(jumps) > _TOLD else ""
-        said.append(f"left out: jumps before {', '.join(jumps[:_TOLD])}{more}")
+        said.append(f"omitted: jumps before {', '.join(jumps[:_TOLD])}{more}")
     if tailed := [fit.axis for fit in fits if fit.tails]:
-        said.append(f"{', '.join(tailed)}: large steps are frequent, so that the interval is wider")
+        said.append(f"{', '.join(tailed)}: large steps are frequent, so the interval is wider")
     if smoothed := [fit.axis for fit in fits if fit.smoothed]:
         said.append(
-            f"{', '.join(smoothed)}: the bead moves less from sample to sample than a whole "
-            "exposure leaves: are the positions smoothed?"
+            f"{', '.join(smoothed)}: the bead moves less from sample to sample than with the "
+            "longest exposure; the positions may be smoothed"
         )
     return tuple(said)
 
@@ -705,7 +708,7 @@ class _Fit:
         """Yield the findings against a free bead with a steady drift, sampled every `step`, s."""
         ratios, means = self.steps.ratios(*self.own[:2])
         if self.contradicted:
-            text = "exposure and noise as given contradict the record: both are fitted"
+            text = "the given exposure and noise contradict the recording; both are fitted"
             yield Finding("noise", f"{self.axis}: {text}")
         tracks = len(set(self.of_track))
         slow = [tracks * each for each in _SLOW if tracks * each <= len(ratios) // 4]
@@ -716,17 +719,17 @@ class _Fit:
         duration = self.steps.count * step
         if min(more) < IMPROBABLE / len(slow):
             n = slow[int(np.argmin(more))]
-            text = f"its drift changes, slower than {n / (2 * duration):.2g} Hz"
+            text = f"its drift changes, at frequencies below {n / (2 * duration):.2g} Hz"
             yield Finding("drift", f"{self.axis}: {text}")
         elif min(less) < IMPROBABLE / len(slow):
             n = slow[int(np.argmin(less))]
-            text = f"it moves less than a free bead over {2 * duration / n:.2g} s and more"
-            yield Finding("confined", f"{self.axis}: {text}: is it held?")
+            text = f"it moves less than a free bead over {2 * duration / n:.2g} s or more"
+            yield Finding("confined", f"{self.axis}: {text}; it may be held")
         elif self.p_value < REFUTED:
-            text = "its steps are not those of a free bead, blurred and with noise"
+            text = "its steps disagree with a free bead with motion blur and noise"
             yield Finding("spectrum", f"{self.axis}: {text}")
         if 2 * float(ndtr(-abs(self.halves))) < IMPROBABLE / 10:
-            yield Finding("halves", f"{self.axis}: its halves differ in how the bead diffuses")
+            yield Finding("halves", f"{self.axis}: the diffusion differs between its halves")
 
     @cached_property
     def p_value(self) -> float:

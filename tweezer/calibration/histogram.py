@@ -129,7 +129,9 @@ def potential(
     x = numbers_in_si("positions", positions, "m")
     temperature = in_si("temperature", temperature, "K", *TEMPERATURE, error=ResultError)
     if x.ndim != 1 or not x.size or not np.isfinite(x).all() or np.ptp(x) == 0:
-        raise ResultError("positions: must be a row of finite numbers, not all the same")
+        raise ResultError(
+            "positions: must be a one-dimensional array of finite numbers, not all equal"
+        )
     kT, centre, deviation = Boltzmann * temperature, x.mean(), x.std()
     step = resolution_of(x) if resolution is None else in_si("resolution", resolution, "m")
     independent = x.size / statistical_inefficiency((x - centre) ** 2)

@@ -179,7 +179,7 @@ def _band(name: str, key: str, value: str | Band) -> Band:
     """Return the ends of a band, Hz; messages contain the name of the record and the `key`."""
     ends: Sequence[QuantityLike] = value.split("..") if isinstance(value, str) else value
     if len(ends) != 2:
-        raise ResultError(f'{name}: {key} = {value!r}: must be such as "49 Hz..51 Hz"')
+        raise ResultError(f'{name}: {key} = {value!r}: must have the form "49 Hz..51 Hz"')
     low, high = (_hertz(name, key, each, value) for each in ends)
     if not low < high:
         raise ResultError(f"{name}: {key} = {value!r}: must end above where it begins")

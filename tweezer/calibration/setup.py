@@ -128,7 +128,9 @@ class Setup:
         poles, on_the_way = TrappedBead.poles, False
         if scene is not None:
             if not scene.forces.brownian:
-                raise ResultError(f"{name}: made without thermal motion: nothing to calibrate")
+                raise ResultError(
+                    f"{name}: simulated without thermal motion, so there is nothing to calibrate"
+                )
             on_the_way = given["drag"] is None and self.wall is None
             mass, fluid = Inertia.of(scene).masses(scene)
             if given["displaced_mass"] is None:
@@ -213,8 +215,8 @@ def _diode(
         parts = value if isinstance(value, tuple) else (value,)
     if len(parts) > 2:
         raise ResultError(
-            f"{recording}: diode = {value!r}: must be a frequency, and the part from 0 to 1 "
-            'that is detected at once: "14 kHz, 0.3"'
+            f"{recording}: diode = {value!r}: must be a frequency, optionally with the fraction "
+            'from 0 to 1 that is detected without delay: "14 kHz, 0.3"'
         )
     frequency, fraction = (
         in_si(f"{recording}: diode", bare(part), unit, error=ResultError)
@@ -222,8 +224,8 @@ def _diode(
     )
     if frequency <= 0 or not 0 <= fraction < 1:
         raise ResultError(
-            f"{recording}: diode = {value!r}: its frequency must be positive, and the part "
-            "that is detected at once from 0 to below 1"
+            f"{recording}: diode = {value!r}: its frequency must be positive, and the fraction "
+            "detected without delay from 0 to below 1"
         )
     return frequency, fraction
 
@@ -235,12 +237,12 @@ def _checked(name: str, given: dict[str, float | None]) -> float:
     """
     temperature = given["temperature"]
     if temperature is None:
-        raise ResultError(f"{name}: needs the temperature of the medium")
+        raise ResultError(f"{name}: requires the temperature of the medium")
     for key, value in given.items():
         if value is not None and value <= 0:
             raise ResultError(f"{name}: {key} = {value}: must be positive")
     if given["displaced_mass"] is not None and given["mass"] is None:
-        raise ResultError(f"{name}: the inertia of the fluid needs the bead's mass too")
+        raise ResultError(f"{name}: fluid inertia requires the bead's mass too")
     return temperature
 
 
@@ -249,8 +251,8 @@ def _refuse_detector(recording: Recording, detector: Detector) -> None:
     exposure, noise, step = detector.exposure, detector.noise, recording.step
     if exposure is not None and not 0 <= exposure <= step * (1 + _UNEVEN):
         raise ResultError(
-            f"{recording.name}: exposure = {exposure:g} s: must be from 0 to the step of the "
-            f"samples, {most(step, 4)} s"
+            f"{recording.name}: exposure = {exposure:g} s: must be from 0 to the "
+            f"sampling interval, {most(step, 4)} s"
         )
     if noise is not None and noise < 0:
         raise ResultError(f"{recording.name}: noise = {noise:g}: must not be negative")
@@ -264,9 +266,9 @@ def _refuse_too_low(recording: Recording, height: Height) -> None:
         way = "across" if axis == ACROSS else "along"
         if height.radii < LOWEST[way]:
             raise ResultError(
-                f"{recording.name}: wall = {height.distance:g}: with the inertia of the fluid the "
-                f"drag of {axis}, {way} the wall, is known from {LOWEST[way]:g} radii on; leave "
-                "out the displaced mass, or that column"
+                f"{recording.name}: wall = {height.distance:g}: with fluid inertia, the drag "
+                f"along {axis} ({way} the wall) is known only above {LOWEST[way]:g} radii; omit "
+                "the displaced mass, or that column"
             )
 
 

@@ -166,14 +166,14 @@ def find_wall(
             raise ResultError(f"{name} = {value}: must be positive")
     if any(each.displaced_mass is not None for each in calibrations):
         raise ResultError(
-            "heights are found without the inertia of the fluid: leave out its density"
+            "heights are determined without fluid inertia; omit the density of the fluid"
         )
     drags = _Drags.of(calibrations, places)
     unknown = 1 + (drag is None) + (shift is None)
     distinct = len(np.unique(drags.positions))
     if distinct < unknown:
         raise ResultError(
-            f"{distinct} positions with a drag that nothing speaks against: must be {unknown} or "
+            f"{distinct} positions with a drag without findings; must be {unknown} or "
             f"more to fit {unknown} unknowns"
         )
     fit = _Fit(drags, float(places.min()), radius, shift, drag)
@@ -195,9 +195,11 @@ def find_wall(
     findings = []
     free = shift is None and not shift_error < _UNSURE_SHIFT * of_shift
     if free or not errors.min() < _UNCERTAIN * (distances.min() - radius):
-        findings.append(Finding("undetermined", "the drags do not determine the wall's place"))
+        findings.append(
+            Finding("undetermined", "the drags do not determine the position of the wall")
+        )
     if p_value is not None and p_value < REFUTED:
-        findings.append(Finding("apart", "the drags are not those of one bead above one wall"))
+        findings.append(Finding("apart", "the drags are inconsistent with one bead above one wall"))
     return Surface(
         float(wall), float(uncertainty),
         float(of_shift), float(shift_error) if shift is None else None,
@@ -237,7 +239,9 @@ class _Drags:
             and not {finding.name for finding in axis.findings} - {"drag"}
         ]  # fmt: skip
         if not rows:
-            raise ResultError("no recording measures the drag: it is in volts, or not trusted")
+            raise ResultError(
+                "no recording determines the drag; they are in volts, or have findings"
+            )
         at, axes, drags, errors, names = zip(*rows, strict=True)
         return cls(
             np.array(at), axes, np.log(drags), np.array(errors) / np.array(drags),

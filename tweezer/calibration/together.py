@@ -91,7 +91,7 @@ def _of_one(calibrations: Sequence[Calibration], name: str, quantity: str) -> To
         if not axis["power spectrum"].findings and 0 < found.errors < abs(found.value)
     ]
     if len(trusted) < 2:
-        text = f"{name}: {quantity}: fewer than two recordings that nothing speaks against"
+        text = f"{name}: {quantity}: fewer than two recordings without findings"
         return Together(name, quantity, None, None, (), None, (Finding("few", text),))
     recordings, values, errors = zip(*trusted, strict=True)
     weights = 1 / np.square(errors)

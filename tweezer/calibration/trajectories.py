@@ -136,8 +136,8 @@ def load_trajectories(
     if not long:
         most = max(map(_in_a_row, found), default=0)
         raise ResultError(
-            f"{name}: has {most} samples in a row; a diffusion needs {LEAST_FRAMES} or more, and a "
-            "trap 100"
+            f"{name}: has {most} consecutive samples; a diffusion coefficient requires "
+            f"{LEAST_FRAMES} or more, and a trap 100"
         )
     return long
 
@@ -192,7 +192,8 @@ def diffusion(
     trajectories = [each for each in trajectories if _in_a_row(each) >= LEAST_FRAMES]
     if not trajectories:
         raise ResultError(
-            f"{first.name}: has {first.frames} samples; a diffusion needs {LEAST_FRAMES} in a row"
+            f"{first.name}: has {first.frames} samples; a diffusion coefficient requires "
+            f"{LEAST_FRAMES} in a row"
         )
     first = trajectories[0]
     name = first.name if len(trajectories) == 1 else f"{first.name} and others"
@@ -261,8 +262,8 @@ def _on_grid(name: str, columns: Columns) -> Trajectory:
         at = 2 + int(np.abs(steps / usual - leaps).argmax())
         rate = len(steps) / float(times[-1] - times[0])
         raise ResultError(
-            f"{name}: frame {at}: its time breaks the even step of {usual:.4g} s; if only the "
-            f'stamps of time are uneven, give the rate: --rate "{rate:.4g} Hz"'
+            f"{name}: frame {at}: its time is off the even step of {usual:.4g} s; if only the "
+            f'time stamps are uneven, give the rate: --rate "{rate:.4g} Hz"'
         )
     frame = np.concatenate([[0], np.cumsum(leaps)]).astype(int)
     positions = np.full((frame[-1] + 1, len(moving)), np.nan)

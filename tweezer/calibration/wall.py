@@ -37,13 +37,13 @@ class Height:
         from tweezer.forces.wall import CLOSEST
 
         if radius is None:
-            raise ResultError(f"{name}: wall: needs the bead's radius too")
+            raise ResultError(f"{name}: wall: requires the bead's radius too")
         told = wall.replace("±", "+-").split("+-") if isinstance(wall, str) else wall
         parts = told if isinstance(told, list | tuple) else (told,)
         try:
             if not 1 <= len(parts) <= 2:
                 raise ValueError(
-                    'must be a height, perhaps with its uncertainty: "1.2 um +- 50 nm"'
+                    'must be a height, optionally with its uncertainty: "1.2 um +- 50 nm"'
                 )
             distance, uncertainty = (to_si(each, "m") for each in (*parts, 0.0)[:2])
         except ValueError as error:
@@ -56,7 +56,7 @@ class Height:
         if not 0 <= uncertainty <= _UNSURE * (distance - radius):
             raise ResultError(
                 f"{name}: wall = {wall!r}: its uncertainty must be from 0 to {_UNSURE:g} of the "
-                "gap; leave the wall out, and the drag is fitted"
+                "gap; omit the wall to fit the drag instead"
             )
         return cls(distance, uncertainty, radius)
 

@@ -81,7 +81,7 @@ def main() -> None:
     except OSError as error:
         if error.errno != errno.ENOSPC:
             raise
-        complain(f"what is printed cannot be written: {error.strerror}")
+        complain(f"cannot write to standard output: {error.strerror}")
         os._exit(FAILED)  # without another flush of the output by the interpreter
 
 

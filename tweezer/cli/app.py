@@ -157,7 +157,7 @@ def settings_of(changes: list[str], **simulation: str | None) -> dict[str, str]:
         settings[key] = value.strip()
     named = {f"simulation.{key}": value for key, value in simulation.items() if value is not None}
     for key in settings.keys() & named.keys():
-        raise SceneError(f"--{key.partition('.')[2]}: {key} is set twice, by --set too")
+        raise SceneError(f"--{key.partition('.')[2]}: {key} is set twice, also by --set")
     return {**settings, **named}
 
 

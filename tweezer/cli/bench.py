@@ -163,6 +163,6 @@ def _benchmark(name: str) -> ModuleType:
     """Import a module of tests/benchmarks, which exists only in a checkout of the sources."""
     root = Path(__file__).parents[2]
     if not (root / "tests" / "benchmarks" / f"{name}.py").is_file():
-        raise TweezerError("bench: runs from a checkout of tweezer's sources, which this is not")
+        raise TweezerError("bench: requires a checkout of tweezer's sources")
     sys.path.insert(0, str(root))
     return importlib.import_module(f"tests.benchmarks.{name}")

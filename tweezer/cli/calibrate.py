@@ -193,12 +193,12 @@ def calibrate(
         report, ("html", "pdf"), overwrite=overwrite, option="--report"
     )
     if plot and len(recordings) > 1:
-        raise ResultError(f"--plot draws one recording, not {len(recordings)}")
+        raise ResultError(f"--plot applies to one recording, not {len(recordings)}")
     if report and len(recordings) > 1:
-        raise ResultError(f"--report tells of one recording, not {len(recordings)}")
+        raise ResultError(f"--report applies to one recording, not {len(recordings)}")
     focuses = _focuses(focus, focal_shift, len(recordings))
     if focuses.positions and "fluid-density" in given:
-        raise ResultError("--focus: without the inertia of the fluid; leave out --fluid-density")
+        raise ResultError("--focus: cannot be combined with --fluid-density; omit one of them")
     setup = Setup(
         temperature=given.get("temperature"), wall=units.bare(wall), radius=given.get("radius"),
         viscosity=given.get("viscosity"), exposure=exposed, diode=diode, noise=units.bare(noise),
@@ -214,7 +214,9 @@ def calibrate(
         return
     asked = [name for name, value in (("--wall", wall), ("--focus", focus)) if value is not None]
     if len(asked) > 1:
-        raise ResultError("--wall gives what --focus finds; must be one of them")
+        raise ResultError(
+            "--wall: cannot be combined with --focus, which determines the wall; omit one of them"
+        )
     for each in loaded:
         _check_known(each, given, asked)
     _calibrate_traps(loaded, setup, focuses, out, plot, report)
@@ -373,8 +375,8 @@ def _print_tracks(free: Diffusion, tracks: list[Trajectory], few: ResultError | 
         source, _, label = first.name.rpartition(", bead ")
         way = f'--bead "{label}"' if source else first.name
         raise ResultError(
-            f"{source or first.name}: has {len(tracks)} beads that do not diffuse freely as far as "
-            f"is seen; calibrate them one by one, such as {way}"
+            f"{source or first.name}: has {len(tracks)} beads that do not seem to diffuse freely; "
+            f"calibrate them one by one, such as {way}"
         )
     if held and few is not None:
         raise few
@@ -412,18 +414,20 @@ def _check_known(loaded: Recording, given: dict[str, float], beside: list[str]) 
     """
     for option in beside:
         if loaded.scene is not None:
-            raise ResultError(f"{loaded.name}: its scene has the wall; {option} is not for a run")
+            raise ResultError(
+                f"{loaded.name}: {option}: does not apply to a run, whose scene has the wall"
+            )
         if not {"radius", "viscosity"} <= set(given):
-            raise ResultError(f"{loaded.name}: {option} needs --radius and --viscosity")
+            raise ResultError(f"{loaded.name}: {option} requires --radius and --viscosity")
     if loaded.scene is not None and given:
         raise ResultError(
-            f"{loaded.name}: its scene has the {', the '.join(given)}; not to be given"
+            f"{loaded.name}: does not accept the {', the '.join(given)}, which its scene has"
         )
     if loaded.scene is None and "temperature" not in given:
         raise ResultError(
-            f"{loaded.name}: needs --temperature, and --radius and --viscosity if known"
+            f"{loaded.name}: requires --temperature, and --radius and --viscosity if known"
         )
     if "density" in given and not {"radius", "viscosity"} <= set(given):
-        raise ResultError(f"{loaded.name}: --density needs --radius and --viscosity")
+        raise ResultError(f"{loaded.name}: --density requires --radius and --viscosity")
     if ("fluid-density" in given) > ("density" in given):
-        raise ResultError(f"{loaded.name}: --fluid-density needs --density")
+        raise ResultError(f"{loaded.name}: --fluid-density requires --density")

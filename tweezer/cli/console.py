@@ -138,7 +138,7 @@ def writable(path: Path, formats: tuple[str, ...]) -> Path:
         raise ResultError(f"{path}: cannot be written: no permission to write in {path.parent}")
     try:
         if path.is_symlink():
-            raise ResultError(f"{path}: is a link; name the file it leads to: {path.readlink()}")
+            raise ResultError(f"{path}: is a link; give its target instead: {path.readlink()}")
         if path.is_dir() and formats != STORES:
             raise ResultError(f"{path}: is a folder")
         if path.exists() and not path.is_dir():
@@ -197,7 +197,7 @@ def _no_figure(path: Path) -> str:
         check_regular(path)
         if _SIGNS[path.suffix.lower()] in path.read_bytes():
             return ""
-    return "already exists and is no figure of tweezer"
+    return "already exists and is not a figure of tweezer"
 
 
 @contextlib.contextmanager

@@ -106,7 +106,9 @@ def fit_depth(
 
     loaded = load_track(track, columns=columns, rate=rate, scale=scale, bead=bead)
     if loaded.scene is not None and loaded.scene.bead != described.bead:
-        raise ResultError(f"{track}: is a run of another bead than that of {described.name}")
+        raise ResultError(
+            f"{track}: is a run of a bead that differs from the bead of {described.name}"
+        )
     with showing_progress(described.name) as progress:
         found = fitted(
             loaded, described, noise=given, exposure=exposed, search=range_, fit=fit or (),

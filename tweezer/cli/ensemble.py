@@ -113,7 +113,7 @@ def ensemble(
     print_shown(described.name, _rows(described, result))
     if result.attrs["status"] == "interrupted":
         done = f"{result.attrs['trajectories_done']} of {trajectories} trajectories"
-        complain(f"{described.name}: interrupted after {done}; go on with --resume")
+        complain(f"{described.name}: interrupted after {done}; continue with --resume")
         raise typer.Exit(INTERRUPTED)
     tell_written(out)
 

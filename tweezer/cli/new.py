@@ -269,8 +269,8 @@ def _depth(text: str, objective: Objective, diameter: float) -> float | None:
     if _folded(text) == "none":
         if objective.immersion == "oil":
             raise SceneError(
-                f"--depth {text!r}: must be a length for {objective.name}: its image changes "
-                "with it"
+                f"--depth {text!r}: must be a length for {objective.name}, whose image depends "
+                "on it"
             )
         return None
     depth = quantity_in("--depth", text, PositiveLength)

@@ -44,7 +44,7 @@ def force_map(
     begin(details=details, quiet=quiet)
     described = scene_with(scene, {"optics.evaluator": "map", **settings_of(set or [])})
     if (other := described.optics.evaluator) != "map":
-        raise SceneError(f"optics.evaluator = {other!r}: must be 'map' where the map is made")
+        raise SceneError(f"optics.evaluator = {other!r}: must be 'map' for this command")
     made = map_of(described)
     print_shown(described.name, _rows(described, made))
     if made.path:

@@ -202,7 +202,7 @@ def run(
             tell_written(out)
     if not ended:
         message = result.attributes["message"]
-        complain(f"{described.name}: {message}; what was reached is in {out}")
+        complain(f"{described.name}: {message}; the trajectory so far was saved to {out}")
         failed = status == "failed"
         raise typer.Exit(FAILED if failed else INTERRUPTED)
 

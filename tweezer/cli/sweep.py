@@ -125,7 +125,7 @@ def sweep(
     done, count = result.attrs["cases_done"], result.attrs["cases"]
     if result.attrs["status"] == "interrupted":
         complain(
-            f"{described.name}: interrupted after {done} of {count} cases; go on with --resume"
+            f"{described.name}: interrupted after {done} of {count} cases; continue with --resume"
         )
         raise typer.Exit(INTERRUPTED)
     if plot:

@@ -113,7 +113,7 @@ def _obstacle(out: Path) -> str:
     with contextlib.suppress(OSError), out.open("rb") as file:
         if _SIGN in file.read(_HEAD):
             return ""
-    return "already exists, and is no page of tweezer"
+    return "already exists and is not a page of tweezer"
 
 
 def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
@@ -121,7 +121,7 @@ def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
     if Path(name).suffix in (*RESULTS, SAVED_TRAP):
         if changes or trap:
             given = "--trap" if trap else "--set"
-            raise SceneError(f"{given}: is for a scene; {name} is a result")
+            raise SceneError(f"{given}: requires a scene, but {name} is a result")
         from tweezer.viewing import view as page_of
 
         return page_of(name), 0
@@ -144,5 +144,5 @@ def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
     status, message = (result.attributes[name] for name in ("status", "message"))
     code = {"failed": FAILED, "interrupted": INTERRUPTED}.get(status, 0)
     if code:
-        complain(f"{scene.name}: {message}; the page shows what was reached")
+        complain(f"{scene.name}: {message}; the page shows the trajectory so far")
     return page_of(result.dataset()), code

@@ -128,7 +128,7 @@ def kept() -> bool:
 @functools.cache
 def not_kept(why: str) -> None:
     """Warn once in a process that compiled functions are not stored, with the reason `why`."""
-    warn(f"what is compiled is not kept: {why}", UserWarning)
+    warn(f"compiled functions cannot be stored: {why}", UserWarning)
 
 
 def _ours(dispatcher: Dispatcher) -> bool:
@@ -180,7 +180,7 @@ def _tell(compiling: Compilation) -> None:
 @functools.cache
 def _tell_once() -> None:
     """Log the notice that functions are being compiled, once in a process."""
-    _log.warning("compiling, once: the next runs load it (`tweezer warmup` does it ahead)")
+    _log.warning("compiling, once: the next runs load it (`tweezer warmup` does it in advance)")
 
 
 if PLAIN:

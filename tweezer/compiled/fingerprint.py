@@ -81,7 +81,7 @@ def _parts(value: Any, seen: set[int]) -> Iterator[str]:
     elif isinstance(value, types.ModuleType | type) or callable(value):
         yield getattr(value, "__name__", type(value).__name__)
     else:
-        raise TypeError(f"{value!r} in a compiled function: its changes cannot be seen")
+        raise TypeError(f"{value!r} in a compiled function: its changes cannot be detected")
 
 
 def _of_function(function: types.FunctionType, seen: set[int]) -> Iterator[str]:

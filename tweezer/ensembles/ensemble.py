@@ -173,8 +173,8 @@ def ensemble(
     needed = 8 * bound.shown.width * trajectories * len(bound.times)
     if out is None and not statistics and needed > _MEMORY:
         raise SceneError(
-            f"out: missing; {trajectories} trajectories take {needed / 1e9:.3g} GB, too much to "
-            "hold in memory: name a Zarr store, or gather statistics"
+            f"out: missing; {trajectories} trajectories take {needed / 1e9:.3g} GB, too much "
+            "for the memory; name a Zarr store, or compute statistics"
         )
     skipped = samples_skipped(scene, skip) if statistics else None
     job = Job.of(bound, trajectories, skipped, None if out is None else Path(out).absolute())
@@ -226,7 +226,7 @@ def _run(
                     future = ended.get(timeout=_TICK)
                     index, gathered = flying[future], future.result()
                     if gathered is None:
-                        raise ResultError(f"{job.out}: a worker does not find {job.part}")
+                        raise ResultError(f"{job.out}: a worker cannot find {job.part}")
                     output.take(index, gathered)
                     del flying[future], parts[index]
                     done += job.share(index)

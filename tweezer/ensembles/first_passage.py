@@ -107,12 +107,17 @@ def escape_times(
             f"positions {places.shape}: must be (trajectories, n, axes), with times {t.shape} (n,)"
         )
     if np.isnan(places[:, 0]).any() or not radius > 0:
-        raise ResultError("every trajectory needs a place at the first time, and the radius a size")
+        raise ResultError(
+            "every trajectory must have a position at the first time, and the radius must be "
+            "positive"
+        )
     away = np.linalg.norm(places - numbers_in_si("centre", centre, "m"), axis=-1)
     outside = ~(away <= radius)
     if outside[:, 0].any():
         start = int(np.argmax(outside[:, 0]))
-        raise ResultError(f"trajectory {start} starts outside {radius:g} m: no escape to time")
+        raise ResultError(
+            f"trajectory {start} starts outside {radius:g} m, so its escape time is not defined"
+        )
     escaped = outside.any(axis=1)
     last = np.where(escaped, outside.argmax(axis=1), t.size - 1)
     durations = t[last] - t[0]

@@ -27,7 +27,7 @@ def client_of(scheduler: str | Client) -> Iterator[Client]:
     try:
         from distributed import Client
     except ImportError:
-        raise TweezerError("scheduler: needs `pip install tweezer[cluster]`") from None
+        raise TweezerError("scheduler: requires `pip install tweezer[cluster]`") from None
     if isinstance(scheduler, Client):
         if scheduler.status != "running":
             raise SceneError(f"scheduler: the client is {scheduler.status}")
@@ -45,7 +45,7 @@ def client_of(scheduler: str | Client) -> Iterator[Client]:
         reason = " ".join(str(error).split())
         if scheduler.startswith("tls:"):
             reason += "; certificates are named in Dask's configuration, distributed.comm"
-        raise SceneError(f"scheduler = {scheduler!r}: not reached: {reason}") from None
+        raise SceneError(f"scheduler = {scheduler!r}: cannot be reached: {reason}") from None
     with client:
         _await_workers(client)
         yield client

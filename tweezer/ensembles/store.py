@@ -74,7 +74,7 @@ def _begun(job: Job, bound: Walk, resume: bool) -> bool:
         if key == "scene":
             if not _same_scene(made.get(key), value):
                 raise ResultError(
-                    f"{job.out}: made of another scene; it cannot be resumed with this"
+                    f"{job.out}: belongs to another scene and cannot be resumed with this one"
                 )
         elif made.get(key) != value:
             raise ResultError(
@@ -268,7 +268,7 @@ class Trajectories:
 
     def _open(self) -> None:
         """Open the arrays of the store; raises `ResultError` if they do not match the job."""
-        damaged = f"{self.job.out}: damaged: its arrays are not those that were written"
+        damaged = f"{self.job.out}: damaged: its arrays differ from those that were written"
         try:
             self.arrays = stored(self.job)
             own = {
@@ -399,7 +399,7 @@ class Trajectories:
         if taken > free:
             raise ResultError(
                 f"{out}: {self.job.trajectories} trajectories take {taken / 1e9:.3g} GB, and "
-                f"{free / 1e9:.3g} GB are free: name another folder, or gather statistics"
+                f"{free / 1e9:.3g} GB are free; choose another folder, or compute statistics"
             )
         whole = self.job.beside.new()
         group = zarr.create_group(whole, attributes=attributes_of(self.job, self.bound))
@@ -482,7 +482,8 @@ class Joined:
         gathered = self.later[index] or kept(self.job, index, self.identity)
         if gathered is None or not gathered["blocks"]:
             raise ResultError(
-                f"{self.job.checkpoint(index)}: not what a worker wrote; resumed, it is done again"
+                f"{self.job.checkpoint(index)}: damaged; resume the ensemble to compute this "
+                "block again"
             )
         return Statistics.of(self.plan, gathered)
 

@@ -107,9 +107,11 @@ def cluster(job: Job, scheduler: str | Client) -> Iterator[Pool]:
                 PATIENCE,
             )
         except KilledWorker:
-            raise TweezerError(f"{job.out}: workers died too often; it can be resumed") from None
+            raise TweezerError(f"{job.out}: workers died too often; continue with resume") from None
         except CancelledError:
-            raise TweezerError(f"{job.out}: the scheduler is gone; it can be resumed") from None
+            raise TweezerError(
+                f"{job.out}: connection to the scheduler lost; continue with resume"
+            ) from None
 
 
 def _block_there(job: Job, run: Path, index: int) -> Gathered | None:

@@ -137,7 +137,7 @@ def drawn_over(sizes: Mapping[str, int]) -> list[str]:
     if not 1 <= len(swept) <= 2:
         way_out = f"; select among {', '.join(swept)} with .sel first" if swept else ""
         raise ResultError(
-            f"a figure is of one or two keys with several values, not {len(swept)}{way_out}"
+            f"a figure requires one or two keys with several values, not {len(swept)}{way_out}"
         )
     return swept
 

@@ -73,7 +73,7 @@ def open_matlab(path: Path) -> Table:
     table = table_of_arrays(str(path), arrays)
     if opaque and not table.columns:
         raise ResultError(
-            f"{path}: has tables or timetables of MATLAB, which it alone reads; save their columns "
+            f"{path}: has tables or timetables, which only MATLAB can read; save their columns "
             "as arrays, or with writetable as CSV"
         )
     return table

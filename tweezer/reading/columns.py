@@ -88,7 +88,7 @@ def read(table: Table, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
     if other := [axis for axis in axes if units[axis] != units[axes[0]]]:
         raise ResultError(
             f"{table.name}: {axes[0]} is in {units[axes[0]]}, and {other[0]} in "
-            f"{units[other[0]]}; must be in one unit"
+            f"{units[other[0]]}; must be in the same unit"
         )
     for place in places.values():
         column = table.columns[place.column]
@@ -100,8 +100,8 @@ def read(table: Table, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
     if len(set(lengths.values())) > 1:
         told = " and ".join(f"{each:,} of {name}" for name, each in lengths.items())
         raise ResultError(
-            f"{table.name}: has {told}; must have as many of each: name columns of one length by "
-            "--columns"
+            f"{table.name}: has {told}; must have equal numbers; name columns of the same length "
+            "by --columns"
         )
     values = {name: factors[name][0] * each for name, each in values.items()}
     chosen = [table.columns[place.column] for place in places.values()]
@@ -244,10 +244,10 @@ def _beads(
         none = int((labels == "").sum())
         if reading.bead is None and len(distinct) < 2:
             if len(distinct) == 1 and 0 < none < length / 2:
-                yield "", labels != "", f"{none:,} rows without a bead left out"
+                yield "", labels != "", f"{none:,} rows without a bead omitted"
                 return
             continue
-        note = f"{none:,} rows without a bead left out" if none else ""
+        note = f"{none:,} rows without a bead omitted" if none else ""
         for label in distinct:
             yield label, labels == label, note
         return
@@ -311,7 +311,7 @@ def _places(table: Table, reading: Reading, wanted: Wanted) -> dict[str, _Place]
             if (found := of_the_drive(column.heading, reading.drive)) is not None
         ]
         if len(driving) > 1:
-            raise ResultError(f"{table.name}: two columns for {reading.drive}")
+            raise ResultError(f"{table.name}: has two columns for {reading.drive}")
         for index, unit in driving:
             places = {name: place for name, place in places.items() if place.column != index}
             beside = table.columns[index].unit
@@ -467,7 +467,8 @@ def _by_headings(
             ] if quantity not in AXES else []  # fmt: skip
             way = ",".join([f"{quantity}={called}", *others])
             raise ResultError(
-                f"{table.name}: two columns for {quantity}: {names[0]!r} and {names[1]!r}; name "
+                f"{table.name}: has two columns for {quantity}: {names[0]!r} and {names[1]!r}; "
+                "name "
                 f'those to be read, such as --columns "{way}"'
             )
         places[quantity] = first[0]
@@ -572,17 +573,17 @@ def _factor(
         if unit != scale.of:
             of = "pixels" if scale.of == PIXEL else "volts"
             raise ResultError(
-                f"{table.name}: {heading}: is in {unit}, and --scale is for positions in {of}; "
-                "leave it out"
+                f"{table.name}: {heading}: is in {unit}, and --scale applies to positions in {of}; "
+                "omit it"
             )
         return factor * scale.metres, "m"
     if unit == PIXEL:
         raise ResultError(
-            f'{table.name}: {heading}: is in pixels; give the length of one: --scale "... nm"'
+            f'{table.name}: {heading}: is in pixels; give the length of a pixel: --scale "... nm"'
         )
     if unit == "V" and not wanted.volts:
         raise ResultError(
-            f'{table.name}: {heading}: is in volts; give their length: --scale "... um/V"'
+            f'{table.name}: {heading}: is in volts; give the length of a volt: --scale "... um/V"'
         )
     return factor, unit
 

@@ -77,7 +77,7 @@ def unmeasured(positions: Array) -> Unmeasured:
     for column in positions.T if positions.shape[1] > 1 else ():
         more, of_more = _marks(np.where(marks, np.nan, column)[:, None])
         marks = marks | more
-        of_marks += [each.replace(": taken", " along one axis: taken") for each in of_more]
+        of_marks += [each.replace(": treated", " along one axis: treated") for each in of_more]
     repeated = _repeated(positions, marks)
     between = _between(positions, marks | repeated)
     said = list(of_marks)
@@ -133,7 +133,7 @@ def measured(times: Array, positions: Array) -> tuple[NDArray[np.int64], Array, 
             at = times[kept]
             if len(set(np.diff(kept).tolist())) > 1:
                 at = times[0] + step * (kept[0] + slope * np.arange(len(kept)))
-            rate = f"the {len(kept):,} others, at {1 / (slope * step):.4g} Hz, are taken"
+            rate = f"the {len(kept):,} others, at {1 / (slope * step):.4g} Hz, are used"
             return kept, at, positions[kept], f"{found.said[0]}: {rate}"
     positions = np.where(lost[:, None], np.nan, positions)
     return every, times, positions, "; ".join(notes)
@@ -244,7 +244,8 @@ def _marks(positions: Array) -> tuple[Rows, list[str]]:
         found |= rows_of_mark
         numbers = ", ".join(f"{each:.4g}" for each in mark)
         said.append(
-            f"{int(rows_of_mark.sum()):,} samples have the same numbers ({numbers}): taken as lost"
+            f"{int(rows_of_mark.sum()):,} samples have the same numbers ({numbers}): treated as "
+            "lost frames"
         )
     return found, said
 

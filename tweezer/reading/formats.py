@@ -33,8 +33,8 @@ def read_table(path: Path, reading: Reading, wanted: Wanted) -> dict[str, Column
     kind = path.suffix.lower()
     if kind not in RECORDINGS:
         raise ResultError(
-            f"{path}: must end in {', '.join(RECORDINGS)}; programs of measurement and of tables "
-            "can save .csv"
+            f"{path}: must end in {', '.join(RECORDINGS)}; most measurement and spreadsheet "
+            "programs can save .csv"
         )
     if kind in TEXTS:
         text = open_text(path, lambda cells: are_headings(cells, reading, wanted))

@@ -57,7 +57,7 @@ def without_gaps(
     outside = len(times) - (inside.stop - inside.start)
     times, columns, there, dated = times[inside], columns[inside], there[inside], dated[inside]
     times, columns, there = times[dated], columns[dated], there[dated]
-    notes = [f"{_rows(outside)} without numbers at its ends left out"] if outside else []
+    notes = [f"{_rows(outside)} without numbers at its ends omitted"] if outside else []
     steps = np.diff(times)
     usual = float(np.median(steps)) if len(steps) else 0.0
     off = np.abs(steps - usual)
@@ -75,7 +75,7 @@ def without_gaps(
     longest_gap = int(np.diff(numbers[there]).max()) - 1
     few = every >= least and longest_gap <= LONGEST and lost <= _FILLED * every
     if whole and few:
-        notes.append(f"{said}, filled in from those around them")
+        notes.append(f"{said}, filled from the samples around them")
         grid, known = np.arange(every), numbers[there]
         there_on_grid = np.isin(grid, known)
         lines = np.stack([np.interp(grid, known, column[there]) for column in columns.T], axis=1)
@@ -89,8 +89,8 @@ def without_gaps(
             f"must have {least} or more"
         )
     notes.append(
-        f"{said}; the longest stretch without a gap is taken: {last - first:,} samples from "
-        f"{times[first]:.6g} s on"
+        f"{said}; the longest stretch without a gap is used: {last - first:,} samples from "
+        f"{times[first]:.6g} s onwards"
     )
     return times[first:last], columns[first:last], "; ".join(notes)
 

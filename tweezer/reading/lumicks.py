@@ -33,7 +33,7 @@ def open_lumicks(path: Path) -> Table:
         from lumicks import pylake
     except ImportError:
         raise ResultError(
-            f"{path}: pylake reads files of Bluelake, and is not there: pip install "
+            f"{path}: reading Bluelake files requires pylake; install it with pip install "
             '"tweezer[recordings]"'
         ) from None
     with h5py.File(path) as file:

@@ -168,8 +168,8 @@ def _known(quantity: str | None, text: str) -> str:
     """Return a quantity that a table may have; otherwise raise `ResultError` quoting `text`."""
     if quantity not in _QUANTITIES:
         raise ResultError(
-            f"columns: {text!r} is not known; must be t, frame, bead, x, y or z, perhaps with a "
-            'unit as in "x [um]", or - for a column that is not read'
+            f"columns: {text!r} is not known; must be t, frame, bead, x, y or z, optionally with a "
+            'unit as in "x [um]", or - for a column to skip'
         )
     return quantity
 

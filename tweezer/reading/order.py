@@ -68,7 +68,7 @@ def in_order(
         if (np.abs(ascending / usual - leaps) <= _OFF).all():
             notes = ["rows sorted by time"] if (np.diff(kept) < 0).any() else []
             if again.any():
-                notes.append(f"{int(again.sum()):,} rows that repeat another one left out")
+                notes.append(f"{int(again.sum()):,} rows that repeat another one omitted")
             return np.concatenate([kept, np.flatnonzero(np.isnan(stamps))]), "; ".join(notes)
     at = 1 + int(np.argmax(steps <= 0))
     place = f"{name}: sample {int(dated[at]) + 1}: its time is not later than the previous time"
@@ -82,7 +82,7 @@ def in_order(
         )
     if back > _FEW:
         raise ResultError(
-            f"{place}; its rows are in another order, and their times are uneven once sorted; "
+            f"{place}; its rows are out of order, and their times are uneven after sorting; "
             "correct the times"
         )
     usual = float(np.median(steps))
@@ -91,7 +91,7 @@ def in_order(
     mean = float(steps[near].mean() if back else steps.mean())
     if not mean > 0:
         raise ResultError(f"{place}; the times do not give a rate; correct them")
-    why = "its clock goes back" if back else f"{int((steps == 0).sum()):,} stamps repeat"
+    why = "its clock runs backwards" if back else f"{int((steps == 0).sum()):,} stamps repeat"
     rate = rate or 1 / mean
     raise ResultError(
         f"{place}: {why}; if the rows are in order and evenly spaced, read them without it: "
@@ -116,7 +116,8 @@ def refuse_another_order(name: str, column: str, stamps: Array, way: str) -> Non
     steps = np.diff(stamps[~np.isnan(stamps)])
     if len(steps) and np.mean(steps < 0) > _FEW:
         raise ResultError(
-            f"{name}: its rows are not in the order of its column {column!r}; read that too: {way}"
+            f"{name}: its rows are not in the order of its column {column!r}; read this column "
+            f"too: {way}"
         )
 
 

@@ -115,7 +115,7 @@ class Recording(Shown):
                 self._refuse(f"its drive extends over {extent}. Is its unit missing?")
         if not finite.all():
             at = int(np.argmin(finite))
-            self._refuse("not finite; calibrate the samples before and after it apart", at)
+            self._refuse("not finite; calibrate the samples before and after it separately", at)
         steps = np.diff(self.times)
         if (steps <= 0).any():
             self._refuse(
@@ -127,18 +127,18 @@ class Recording(Shown):
             usual = float(np.median(steps))
             off = np.abs(steps - usual)
             self._refuse(
-                f"its time breaks the even step of {usual:.4g} s, which samples must have; if only "
-                f'the stamps of time are uneven, give the rate: --rate "{1 / self.step:.4g} Hz"',
+                f"its time is off the even step of {usual:.4g} s, which is required; if only "
+                f'the time stamps are uneven, give the rate: --rate "{1 / self.step:.4g} Hz"',
                 1 + int(np.argmax(off > 0.99 * off.max())),
             )
         low, high = _VOLTS if self.unit == "V" else _EXTENTS
         for axis, extent in zip(self.axes, np.ptp(self.positions, axis=0), strict=True):
             if extent <= 0:
-                self._refuse(f"{axis} does not change: nothing to calibrate")
+                self._refuse(f"{axis} does not change, so there is nothing to calibrate")
             if not low <= extent <= high:
                 self._refuse(
                     f"{axis} extends over {extent:.3g} {self.unit}; must be from {low:g} to "
-                    f"{high:g} {self.unit}. Is its unit missing? Of pixels --scale has it"
+                    f"{high:g} {self.unit}. Is its unit missing? For pixels give --scale"
                 )
 
     def _refuse(self, why: str, sample: int | None = None) -> NoReturn:
@@ -239,8 +239,8 @@ class Track(Shown):
         if not _EXTENTS[0] <= extent <= _EXTENTS[1]:
             raise ResultError(
                 f"{self.name}: extends to {extent:.3g} m from the axis; must be from "
-                f"{_EXTENTS[0]:g} to {_EXTENTS[1]:g} m. Is its unit missing? Of pixels --scale has "
-                "it"
+                f"{_EXTENTS[0]:g} to {_EXTENTS[1]:g} m. Is its unit missing? For pixels give "
+                "--scale"
             )
 
     def card(self) -> Card:
@@ -499,7 +499,9 @@ def _of_run(run: xr.Dataset, name: str, reading: Reading) -> Run:
     `name` is used in messages. The options in `reading` are refused for a run.
     """
     if reading.given:
-        raise ResultError(f"{name}: is a run of tweezer; --{reading.given[0]} is for other files")
+        raise ResultError(
+            f"{name}: is a run of tweezer, to which --{reading.given[0]} does not apply"
+        )
     if "scene" not in run.attrs or "position" not in run:
         raise ResultError(f"{name}: not a run: it has no scene or no position over time")
     if run["position"].dims != ("time", "axis") or not {"time", "axis"} <= set(run.coords):
@@ -509,7 +511,7 @@ def _of_run(run: xr.Dataset, name: str, reading: Reading) -> Run:
         if run["seen"].dims != ("frame", "seen_axis") or not {"frame_time", "seen_axis"} <= set(
             run.coords
         ):
-            raise ResultError(f"{name}: not a run: what its camera saw is not over time and axis")
+            raise ResultError(f"{name}: not a run: its camera frames are not over time and axis")
         units |= {"seen": "m", "frame_time": "s"}
     for quantity, unit in units.items():
         if run[quantity].attrs.get("units", unit) != unit:

@@ -24,7 +24,8 @@ def open_tdms(path: Path) -> Table:
         from nptdms import TdmsFile
     except ImportError:
         raise ResultError(
-            f'{path}: npTDMS reads TDMS files, and is not there: pip install "tweezer[recordings]"'
+            f"{path}: reading TDMS files requires npTDMS; install it with pip install "
+            '"tweezer[recordings]"'
         ) from None
     with path.open("rb") as file:
         if file.read(len(_BEGINNING)) != _BEGINNING:

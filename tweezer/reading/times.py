@@ -33,8 +33,8 @@ def at_even_times(name: str, times: Array, rate: float) -> tuple[Array, str]:
     said = _compared(name, rate / usual, rate, 1 / len(steps), "x=...")
     if (steps < 0.5).any():
         raise ResultError(
-            f"{name}: its times are off those of --rate by half a step and more; name the columns "
-            'without the time if the rows are at that rate: --columns "x=..."'
+            f"{name}: its times deviate from those of --rate by half a step or more; name the "
+            'columns without the time if the rate is correct: --columns "x=..."'
         )
     even = times.copy()
     even[dated] = times[dated][0] + np.concatenate([[0.0], np.cumsum(np.rint(steps))]) / rate
@@ -83,9 +83,9 @@ def _compared(name: str, found: float, rate: float, finest: float, way: str) -> 
     off = abs(rate / found - 1) if found else np.inf
     if off > _RATE_OFF + finest:
         raise ResultError(
-            f"{name}: its times have {found:.6g} Hz, and --rate is {rate:g} Hz; leave out --rate, "
+            f"{name}: its times have {found:.6g} Hz, but --rate is {rate:g} Hz; omit --rate, "
             f'or, if the times are wrong, name the columns without them: --columns "{way}"'
         )
     if off <= max(_RATE_SAID, finest):
         return ""
-    return f"its times have {found:.6g} Hz; taken as {rate:.6g} Hz"
+    return f"its times have {found:.6g} Hz; {rate:.6g} Hz is used"

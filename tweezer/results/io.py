@@ -184,7 +184,7 @@ def load_result(path: Path) -> xr.Dataset:
     with _reading(path):
         result = xr.load_dataset(path, engine=_ENGINE, decode_times=False)
     if "scene" not in result.attrs:
-        raise ResultError(f"{path}: not a saved run: it names no scene")
+        raise ResultError(f"{path}: not a saved run: it contains no scene")
     return checked(result, f"{path}")
 
 
@@ -229,7 +229,7 @@ def check_seal(path: Path) -> None:
             digest.update(part)
             end -= len(part)
     if seal != _SEAL + digest.digest():
-        raise ResultError(f"{path}: damaged: its content is not what was saved")
+        raise ResultError(f"{path}: damaged: its content differs from what was saved")
 
 
 def scene_of(run: xr.Dataset) -> Scene:
@@ -264,7 +264,7 @@ def scene_in(attributes: Mapping[str, Any]) -> Scene:
     try:
         return Scene.model_validate_json(attributes["scene"])
     except (KeyError, ValidationError):
-        raise ResultError("not a run: it names no valid scene") from None
+        raise ResultError("not a run: it contains no valid scene") from None
 
 
 def unlike(path: Path, scene: Scene, seed: int, continued: str = "", forces_from: str = "") -> str:

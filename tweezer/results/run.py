@@ -38,7 +38,9 @@ class Run:
             if name not in dataset.variables:
                 raise ResultError(f"not a run: it has no {name}")
             if dataset[name].dims[:1] != ("time",):
-                raise ResultError(f"not a run: no {name} over time; a slice takes a part of a run")
+                raise ResultError(
+                    f"not a run: no {name} over time; select a part of a run by a slice"
+                )
         if not dataset.sizes["time"]:
             raise ResultError("a run without a sample")
         parts: dict[Any, Any] = {
@@ -70,7 +72,7 @@ class Run:
     def __getitem__(self, name: str) -> Array:
         """Return the values of a variable or coordinate; raise `ResultError` if it is missing."""
         if name not in self:
-            raise ResultError(f"a part of a run: it has no {name}, which this needs")
+            raise ResultError(f"a part of a run: it has no {name}, which is required here")
         _, values, _ = self.variables.get(name) or self.coordinates[name]
         return values
 

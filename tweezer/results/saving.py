@@ -58,7 +58,7 @@ def save(result: Any, path: str | Path) -> Path:
     kind = None if isinstance(result, dict) else kind_of(result)
     if kind is None:
         name = type(result).__name__
-        raise ResultError(f"{path}: cannot be saved: this {name} is no result of tweezer")
+        raise ResultError(f"{path}: cannot be saved: this {name} is not a result of tweezer")
     if not kind.of:
         return save_run(result, path)
     check_ending(path, ("json",))
@@ -117,7 +117,7 @@ def result_in(content: Any, path: Path) -> Any:
     """Return the result in the content of a JSON file, for `load`."""
     kind = kind_of(content)
     if kind is None or not kind.of:
-        raise ResultError(f"{path}: is no result that is known")
+        raise ResultError(f"{path}: is not a known kind of result")
     if kind.reader:
         return importlib.import_module(kind.reader).result_in(content, path)
     return _loaded(kind, content, path)

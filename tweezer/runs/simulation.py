@@ -155,7 +155,7 @@ def simulate(
     """
     scene = _adjusted(checked_scene(scene), duration, model, method, tolerance)
     if scene.forces.brownian and tolerance:
-        raise SceneError("tolerance: not with forces.brownian = true")
+        raise SceneError("tolerance: cannot be combined with forces.brownian = true")
     going_on = None if continue_from is None else going_on_from(scene, continue_from)
     run, find_errors = motion_of(scene, seed, forces, events, progress, going_on)
     find_errors()
@@ -248,7 +248,7 @@ def motion_of(
     if frames is not None and result.path is not None:
         run = _filmed(run, frames, *frames.seen(result.path, seed or 0))
     elif frames is not None and result.status != "failed":
-        warn(f"{scene.name}: no frames of the camera: its steps are more than are held in memory")
+        warn(f"{scene.name}: no camera frames, because the run has too many steps to store")
     summary = None
     with contextlib.suppress(KeyboardInterrupt):  # the run itself is complete
         if result.path is not None:
@@ -349,7 +349,7 @@ class _Followed:
         try:
             while self.reached < samples and np.isinf(self.lost) and not self.watch.status:
                 if self.reached > affordable:
-                    raise IntegrationError("simulation.most_force_calls is spent")
+                    raise IntegrationError("simulation.most_force_calls is reached")
                 last = min(self.reached + at_once, samples, affordable + 1)
                 with timed() as stepping:
                     self._step(last, watched=watched)
@@ -470,8 +470,8 @@ def _warn_of_sticking(bound: Walk, motion: Motion) -> None:
     rate = rate_of_sticking(bound.problem)
     if rate * bound.step > 1 and bound.scene.room(motion.position[:, 2]).min() < _TOUCHING:
         warn(
-            f"{bound.scene.name}: the bead touched the wall, where van der Waals's force wants "
-            f"steps of {1 / rate:.1g} s or less: with {bound.step:.1g} s it may come off again"
+            f"{bound.scene.name}: the bead touched the wall, where van der Waals forces require "
+            f"steps of at most {1 / rate:.1g} s; with {bound.step:.1g} s it may detach wrongly"
         )
 
 

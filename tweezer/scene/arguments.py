@@ -87,7 +87,7 @@ def check_run(scene: Scene, seed: int | None) -> None:
     if seed is None:
         return
     if not scene.draws:
-        raise SceneError("seed: is for forces.brownian = true, and a camera with noise")
+        raise SceneError("seed: requires forces.brownian = true, or a camera with noise")
     check_seed(seed)
 
 
@@ -138,10 +138,12 @@ def check_ensemble(
             raise SceneError(f"{name} = {value!r}: must be a whole number from 1 to {_MOST:.0e}")
     check_thermal(scene, seed)
     if skip and not statistics:
-        raise SceneError(f"skip = {skip!r}: only for statistics")
+        raise SceneError(f"skip = {skip!r}: requires statistics = True")
     samples_skipped(scene, skip)
     if scheduler is not None and workers is not None:
-        raise SceneError(f"workers = {workers}: not with a scheduler, which has its own")
+        raise SceneError(
+            f"workers = {workers}: cannot be combined with a scheduler; omit one of them"
+        )
     if scheduler is not None and out is None:
         raise SceneError("out: missing; the workers of a scheduler write there")
     if out is not None and Path(out).suffix != (suffix := ".nc" if statistics else ".zarr"):
@@ -160,7 +162,7 @@ def samples_skipped(scene: Scene, skip: QuantityLike) -> int:
     times = np.linspace(0.0, scene.simulation.duration, samples)
     skipped = int(np.searchsorted(times, seconds * (1 - 1e-12)))
     if skipped > samples - 2:
-        raise SceneError(f"skip = {skip!r}: must leave at least 2 of {samples} samples")
+        raise SceneError(f"skip = {skip!r}: must leave at least 2 of the {samples} samples")
     return skipped
 
 

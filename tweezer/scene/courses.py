@@ -76,9 +76,9 @@ class _Course(Section):
                 continue
             given = getattr(self, key) is not None
             if given and key not in (*needed, *possible):
-                raise refusal(f"{key}: not for kind = {self.kind!r}")
+                raise refusal(f"{key}: does not apply to kind = {self.kind!r}; remove it")
             if not given and key in needed:
-                raise refusal(f"{key}: missing; kind = {self.kind!r} needs it")
+                raise refusal(f"{key}: missing; kind = {self.kind!r} requires it")
         return self
 
     @model_validator(mode="after")
@@ -203,7 +203,7 @@ def _with_tables_of(name: str, beam: Any, folder: Path) -> Any:
         if isinstance(course, Mapping) and isinstance(course.get("file"), str):
             course = dict(course)
             if "times" in course or key in course:
-                raise ValueError(f"{name}.{section}: file, or times and {key}: not both")
+                raise ValueError(f"{name}.{section}: give either file, or times and {key}")
             rows = _rows(folder / course.pop("file"), columns + 1)
             values = [row[1:] if columns > 1 else row[1] for row in rows]
             beam[section] = {**course, "times": [row[0] for row in rows], key: values}

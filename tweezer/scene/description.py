@@ -124,7 +124,7 @@ class Description(Section):
         `z` is measured from the focus, m. Raises `SceneError` for a scene without a wall.
         """
         if self.wall is None:
-            raise SceneError("wall: the scene has none")
+            raise SceneError("wall: the scene has no wall")
         return self.body.gap((self.wall.position, self.wall.normal), z)
 
     def room(self, z: Any) -> Any:

@@ -39,7 +39,7 @@ def read_scene(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
     Raises `SceneError` if there is no such scene or it cannot be read.
     """
     if not name:
-        raise SceneError("no scene is named: must be a shipped scene or a TOML file")
+        raise SceneError("no scene given; must be a shipped scene or a TOML file")
     path = shipped_scenes().get(name, Path(name))
     try:
         data = tomllib.loads(read_text(path))

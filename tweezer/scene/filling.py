@@ -82,8 +82,8 @@ def _refuse_names_of_indices(data: Mapping[str, Any]) -> None:
     if given:
         names, indices = (" and ".join(each) for each in zip(*given, strict=True))
         raise refusal(
-            f"{names}: {'have' if len(given) > 1 else 'has'} another index for each of the beams' "
-            f"wavelengths; give {indices}"
+            f"{names}: {'have' if len(given) > 1 else 'has'} a different index at each of the "
+            f"beams' wavelengths; give {indices}"
         )
 
 
@@ -190,8 +190,8 @@ def _several_beams(data: dict[str, Any]) -> dict[str, Any]:
     """Return the data with all beams after the first moved to `more_beams`."""
     if isinstance(beams := data.get("beam"), list | tuple):
         if not beams:
-            raise refusal("beam: at least one is needed")
+            raise refusal("beam: at least one beam is required")
         if "more_beams" in data:
-            raise refusal("more_beams: not beside beam = [...], which gives all of them")
+            raise refusal("more_beams: cannot be combined with beam = [...], which gives all beams")
         data = {**data, "beam": beams[0], "more_beams": list(beams[1:])}
     return data

@@ -40,7 +40,7 @@ def check(scene: Description) -> None:
     _inertia_of_the_fluid(scene)
     _some_frame(scene)
     if scene.start.frame == "lens" and scene.lens.focal_length is None:
-        raise refusal("start.frame = 'lens': needs lens.focal_length")
+        raise refusal("start.frame = 'lens': requires lens.focal_length")
     _start_in_the_medium(scene)
 
 
@@ -86,11 +86,11 @@ def _foci_at_the_depth(scene: Description) -> None:
     for name, beam in named_beams(scene.beams):
         if beam.position[2]:
             raise refusal(
-                f"{name}.position = {list(beam.position)}: must be at z = 0 beside lens.cover, "
-                "whose depth is that of the focus"
+                f"{name}.position = {list(beam.position)}: must be at z = 0 with lens.cover, "
+                "whose depth is the depth of the focus"
             )
         if beam.motion is not None and beam.motion.along_light:
-            raise refusal(f"{name}.motion: must be across the light beside lens.cover")
+            raise refusal(f"{name}.motion: must be perpendicular to the light with lens.cover")
 
 
 def _start_in_the_medium(scene: Description) -> None:
@@ -123,7 +123,7 @@ def _beside_the_wall(scene: Description) -> None:
     wall, radius = scene.wall, scene.body.size
     if wall is None:
         if scene.forces.dlvo is not None:
-            raise refusal("forces.dlvo: needs a [wall]")
+            raise refusal("forces.dlvo: requires a [wall]")
         return
     cover = scene.lens.cover
     if cover is not None and (
@@ -140,8 +140,8 @@ def _beside_the_wall(scene: Description) -> None:
         if thickness < THINNEST * radius * (1 - 1e-9):
             raise refusal(
                 f"wall.opposite = {wall.opposite:g}: {thickness:.3g} m from wall.position; "
-                f"must be at least {THINNEST:g} radii, {least(THINNEST * radius)} m: nearer "
-                "planes do not add up"
+                f"must be at least {THINNEST:g} radii, {least(THINNEST * radius)} m, "
+                "so that the effects of both walls add"
             )
         across = scene.body.support(wall.normal) + scene.body.support(-wall.normal)
         room["wall.opposite"] = thickness - across - scene.gap(z)
@@ -159,30 +159,30 @@ def _thermal(scene: Description) -> None:
     how = None if method == "auto" else METHODS[method]
     if not scene.forces.brownian:
         if how and how.thermal:
-            raise refusal(f"simulation.method = {method!r}: is for forces.brownian = true")
+            raise refusal(f"simulation.method = {method!r}: requires forces.brownian = true")
         if scene.start.drawn != "no":
-            raise refusal(f"start.drawn = {scene.start.drawn!r}: is for forces.brownian = true")
+            raise refusal(f"start.drawn = {scene.start.drawn!r}: requires forces.brownian = true")
         if scene.forces.brownian_torque:
-            raise refusal("forces.brownian_torque = True: needs forces.brownian = true")
+            raise refusal("forces.brownian_torque = True: requires forces.brownian = true")
         return
     if how and not how.thermal:
         raise refusal(
-            f"simulation.method = {method!r}: draws no thermal motion; allowed: auto, "
+            f"simulation.method = {method!r}: does not compute thermal motion; allowed: auto, "
             f"{', '.join(each.name for each in methods(thermal=True))}"
         )
     if how and model and model not in how.models:
         raise refusal(
-            f"simulation.method = {method!r}: cannot follow simulation.model = {model!r}; set "
+            f"simulation.method = {method!r}: cannot integrate simulation.model = {model!r}; set "
             f"simulation.model to {either(how.models)}"
         )
     if model == "first-order" and scene.rotates:
         raise refusal(
-            "simulation.model = 'first-order': has no rotation with thermal motion; set "
+            "simulation.model = 'first-order': does not include thermal rotation; set "
             "simulation.model to overdamped"
         )
     if how and how.spring_only and scene.turned_by_light:
         raise refusal(
-            f"simulation.method = {method!r}: a spring exerts no torque; allowed: "
+            f"simulation.method = {method!r}: a linear spring exerts no torque; allowed: "
             "beam.torque = 'none', and a bead that does not absorb"
         )
     if scene.rotates and scene.bead.moments_of_inertia and model != "overdamped":
@@ -204,14 +204,14 @@ def _some_frame(scene: Description) -> None:
     frames = scene.camera.rate * scene.simulation.duration
     if frames > _MOST_FRAMES:
         raise refusal(
-            f"camera.rate = {scene.camera.rate:g}: sees {frames:.3g} frames in "
+            f"camera.rate = {scene.camera.rate:g}: gives {frames:.3g} frames in "
             f"simulation.duration = {scene.simulation.duration:g}; must be at most "
             f"{_MOST_FRAMES:,}"
         )
     method = scene.simulation.method
     if method != "auto" and not METHODS[method].displacements:
         raise refusal(
-            f"simulation.method = {method!r}: a camera needs displacements, which this method "
+            f"simulation.method = {method!r}: a camera requires displacements, which this method "
             "does not reproduce; allowed: auto, heun"
         )
 
@@ -231,7 +231,7 @@ def _inertia_of_the_fluid(scene: Description) -> None:
                 f"{scene.lag:.2g} s times its speed"
             )
         raise refusal(
-            f"{said}: needs inertia, which simulation.model = {model!r} has not; set "
+            f"{said}: requires inertia, which simulation.model = {model!r} lacks; set "
             f"simulation.model to {having}{past}"
         )
     if inertia != "memory":
@@ -240,7 +240,7 @@ def _inertia_of_the_fluid(scene: Description) -> None:
         (FREE - 1) * scene.body.size
     ):
         raise refusal(
-            f"{said}: a wall nearer than {FREE:g} radii to start or focus takes up the "
+            f"{said}: a wall within {FREE:g} radii of start or focus absorbs the "
             "vorticity that the bead sheds (the tail falls as t^(-5/2), not t^(-3/2)); "
             "allowed: 'none', 'added-mass'"
         )
@@ -248,7 +248,7 @@ def _inertia_of_the_fluid(scene: Description) -> None:
         brownian = scene.forces.brownian
         allowed = [each.name for each in methods(thermal=brownian) if each.memory]
         raise refusal(
-            f"{said}: simulation.method = {method!r} cannot follow it; set simulation.method "
+            f"{said}: simulation.method = {method!r} cannot integrate it; set simulation.method "
             f"to {either(['auto', *allowed])}"
         )
 

@@ -213,7 +213,7 @@ class Scene(Description):
             warn(
                 f"medium.temperature = {changed['medium.temperature']}: "
                 f"{copy._of_another_temperature} are still those of "
-                f"{self.medium.temperature:g} K; water's viscosity falls by 2 % a kelvin"
+                f"{self.medium.temperature:g} K; the viscosity of water decreases by 2 % per kelvin"
             )
         if copy.lens.numerical_aperture != self.lens.numerical_aperture:
             warn_of_unused_aperture(copy)
@@ -276,13 +276,15 @@ class Scene(Description):
         for section, changes in read.items():
             if section == "beam" and len(beams) > 1 and not isinstance(changes, list | tuple):
                 key = ".".join(["beam", *changes][:2]) if isinstance(changes, Mapping) else "beam"
-                raise SceneError(f"{key}: of which beam? The scene has {numbered(beams)}")
+                raise SceneError(f"{key}: does not name a beam; the scene has {numbered(beams)}")
             if found := NUMBERED.fullmatch(section):
                 at = int(found[1]) - 1
                 if len(beams) == 1 or not 0 <= at < len(beams):
                     raise SceneError(f"{section}: the scene has {numbered(beams)}")
                 if "beam" in sections:
-                    raise SceneError(f"{section}: not beside beam, which gives all of them")
+                    raise SceneError(
+                        f"{section}: cannot be combined with beam, which gives all beams"
+                    )
                 beams[at] = changed_section(beams[at], "beam", changes)
                 data["beam"] = beams
             else:
@@ -305,7 +307,7 @@ def validated(data: dict[str, Any], given: Mapping[str, Any]) -> Scene:
     if knudsen > KNUDSEN_LIMIT:
         warn(
             f"Knudsen number {knudsen:.2g} is above {KNUDSEN_LIMIT:g}: the medium is not a "
-            "continuum for this bead, and Stokes' drag (2.13) is too strong"
+            "continuum for this bead, and Stokes's drag (2.13) is too large"
         )
     for doubt in doubts_of(given, Scene):
         warn(doubt, UnitWarning)

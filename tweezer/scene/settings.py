@@ -39,7 +39,7 @@ def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
         if dot and outer in of and section_of(of[outer].annotation):  # as in beam.motion.velocity
             within, name = within.setdefault(outer, {}), inner
             if not isinstance(within, dict):
-                raise SceneError(f"{section}.{outer}: given as a whole, and key by key")
+                raise SceneError(f"{section}.{outer}: given both as a whole and by its keys")
         try:
             value = tomllib.loads(f"value = {text}")["value"]
         except NOT_TOML:

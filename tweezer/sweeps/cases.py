@@ -134,7 +134,7 @@ def cases_of(
     """
     if hasattr(over, "columns") or hasattr(over, "data_vars"):
         if table is not None:
-            raise SceneError("over: a table, beside cases; must be one of them")
+            raise SceneError("over: a table cannot be combined with cases; omit one of them")
         over, table = None, over
     if over is not None and not isinstance(over, Mapping):
         raise SceneError("over: must be a mapping of keys to lists of values, or a table")
@@ -142,7 +142,7 @@ def cases_of(
     if table is not None:
         varied = tuple(_varied(key, given) for key, given in columns_of(table))
         if not varied or len({len(each.values) for each in varied}) != 1:
-            raise SceneError("cases: must have a column for each key, all of one length")
+            raise SceneError("cases: must have a column for each key, all of the same length")
         axes.insert(0, Axis(CASE, varied))
     if not axes:
         raise SceneError("over: nothing to sweep over; name a key with its values, or cases")
@@ -186,8 +186,8 @@ def _range(key: str, text: str) -> list[Any]:
         raise SceneError(f"over {key} = {text}: must be a list or a range, not both")
     if not match:
         raise SceneError(
-            f"over {key} = {text}: must be FROM..TO:COUNT, such as 0.2um..3um:40, with :log behind "
-            "for equal ratios"
+            f"over {key} = {text}: must be FROM..TO:COUNT, such as 0.2um..3um:40, with :log at the "
+            "end for equal ratios"
         )
     quantity, _ = described_at(key)
     ends = [match[end].strip() for end in ("low", "high")]

@@ -125,7 +125,7 @@ def _text(out: Path, path: Path) -> str:
         text = path.read_text(encoding="utf-8", errors="replace")
         if not text or _BEGINNING.match(text):
             return text
-    raise ResultError(f"{out}: {path} already exists and is no journal; choose another file")
+    raise ResultError(f"{out}: {path} already exists and is not a journal; choose another file")
 
 
 def _checksum(line: str) -> str:

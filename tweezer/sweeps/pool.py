@@ -275,9 +275,9 @@ def cluster(asked: Asked, tasks: list[Task], client: Client) -> Generator[Done, 
             yield from ended.get().result()
             flying -= 1
     except KilledWorker:
-        raise TweezerError("scheduler: workers died too often; it can be resumed") from None
+        raise TweezerError("scheduler: workers died too often; continue with resume") from None
     except CancelledError:
-        raise TweezerError("scheduler: is gone; it can be resumed") from None
+        raise TweezerError("scheduler: connection lost; continue with resume") from None
     finally:
         executor.shutdown(wait=False)  # cancels tasks in flight
 

@@ -218,7 +218,7 @@ def asked_of(scene: Scene, of: str, forces: Sequence[Force | str] = (), **given:
     for name in given:
         if name not in USED[of]:
             uses = ", ".join(each for each in SWEPT if name in USED[each])
-            raise SceneError(f"{name}: is for sweeps of {uses}, not of {of}")
+            raise SceneError(f"{name}: applies to sweeps of {uses}, not of {of}")
     own = forces_of(forces)  # raises an error for other objects
     kept = tuple(str(Path(each).absolute()) if isinstance(each, str) else each for each in forces)
     return Asked(

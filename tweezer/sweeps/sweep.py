@@ -257,7 +257,9 @@ def _workers(workers: int | None, scheduler: object) -> int:
     if workers is None:
         return cores()
     if scheduler is not None:
-        raise SceneError(f"workers = {workers}: not with a scheduler, which has its own")
+        raise SceneError(
+            f"workers = {workers}: cannot be combined with a scheduler; omit one of them"
+        )
     if isinstance(workers, bool) or not isinstance(workers, int) or not 1 <= workers <= _MOST:
         raise SceneError(f"workers = {workers!r}: must be a whole number from 1 to {_MOST}")
     return workers

@@ -41,7 +41,7 @@ def figure(number: str, motions: Motions) -> Figure:
     """
     title, bead, draw, same_scale = FIGURES[number]
     if motions.bead != bead:
-        raise SceneError(f"figure {number}: is of the {bead} bead, not {motions.bead}")
+        raise SceneError(f"figure {number}: shows the {bead} bead, not {motions.bead}")
     drawn = style.new(style.PAGE, 3.1)
     left, right = drawn.subplots(1, 2, sharey=same_scale, sharex=same_scale)
     for axes, side in ((left, "thesis"), (right, "unscaled")):

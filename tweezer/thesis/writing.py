@@ -94,7 +94,7 @@ def reproduce(
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:
-        raise ResultError(f"{out}: cannot be made: {error.strerror}") from None
+        raise ResultError(f"{out}: cannot be created: {error.strerror}") from None
     in_waves = not {"claims", "waves", "memory"}.isdisjoint(asked)
     needed = [
         bead

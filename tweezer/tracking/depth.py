@@ -271,7 +271,7 @@ def fit_depth(
     track = source if isinstance(source, Track) else load_track(source)
     scene = track.scene if scene is None else checked_scene(scene)
     if scene is None:
-        raise ResultError(f"{track.name}: needs a scene")
+        raise ResultError(f"{track.name}: requires a scene")
     noise, exposure = (
         None if value is None else in_si(name, value, unit, error=ResultError)
         for name, value, unit in (("noise", noise, "m"), ("exposure", exposure, "s"))
@@ -334,7 +334,7 @@ def _refuse(
     """
     low, high = search
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
-        raise ResultError(f"search = {low:g} to {high:g} m: must go from a z to a larger one")
+        raise ResultError(f"search = {low:g} to {high:g} m: must be an ascending range of z")
     if noise is not None and not _NOISE[0] <= noise <= _NOISE[1]:
         raise ResultError(f"noise = {noise:g} m: must be from {_NOISE[0]:g} to {_NOISE[1]:g} m")
     if isinstance(fit, str):
@@ -345,7 +345,7 @@ def _refuse(
         if list(fit).count(name) > 1:
             raise ResultError(f"fit = {name!r}: given more than once")
     if "scaling_factor" in fit and scene.simulation.model != "scaled":
-        raise ResultError("fit = 'scaling_factor': needs simulation.model = 'scaled'")
+        raise ResultError("fit = 'scaling_factor': requires simulation.model = 'scaled'")
     if scene.wall is not None:
         _refuse_in_the_wall(scene, search, fit)
     if "power" in fit and not scene.lit:
@@ -372,7 +372,7 @@ def _refuse_in_the_wall(scene: Scene, search: tuple[float, float], fit: Sequence
             f"is between {low:.6g} and {high:.6g} m"
         )
     for name in {"power", "radius"}.intersection(fit) if scene.forces.dlvo else ():
-        raise ResultError(f"fit = {name!r}: not with forces.dlvo, which changes otherwise with it")
+        raise ResultError(f"fit = {name!r}: cannot be combined with forces.dlvo")
 
 
 def _between_walls(scene: Scene, low: float, high: float) -> tuple[float, float]:
@@ -621,29 +621,30 @@ def _doubts(
     doubts = []
     if profile.jumps(LEVEL).any():
         doubts.append(
-            _Doubt("the misfit jumps at the interval's ends: its length means nothing", True)
+            _Doubt(
+                "the misfit jumps at the ends of the interval, so its length is unreliable", True
+            )
         )
     near = profile.values - profile.values.min() < JUMP
     if lost := int((~profile.converged & near).sum()):
-        doubts.append(_Doubt(f"{lost} of {int(near.sum())} fits near it have not converged", True))
+        doubts.append(_Doubt(f"{lost} of {int(near.sum())} fits near z have not converged", True))
     inside = profile.nuisances[profile.values - profile.values.min() <= LEVEL]
     if ends := sorted({name for p in inside for name in likelihood.ends(p)}):
-        doubts.append(_Doubt(f"{' and '.join(ends)} at an end of what was tried", True))
+        doubts.append(_Doubt(f"{' and '.join(ends)} reached an end of its range", True))
     within = np.linalg.norm(path.predicted, axis=1) < likelihood.reach
     widest = float(path.deviations[within, 2].max(initial=0.0))
     if widest > radius:
         doubts.append(
             _Doubt(
-                f"z spreads to {printed(widest, 'um', 2)}, over which the force is not linear as "
-                "the likelihood takes it",
+                f"z spreads to {printed(widest, 'um', 2)}, over which the force is not linear, "
+                "as the likelihood assumes",
                 False,
             )
         )
     if p_value < REFUTED:
         doubts.append(
             _Doubt(
-                f"the residuals are not white (p = {p_value:.1g}): "
-                "scene or noise is not the track's",
+                f"the residuals are not white (p = {p_value:.1g}): the scene or the noise is wrong",
                 True,
             )
         )
@@ -670,15 +671,16 @@ def _statement(
     """
     pieces = " and ".join(map(_range, intervals))
     if determined:
-        told = f"the bead started at z = {printed(z, 'um')}; 95 % confidence: {pieces} um"
+        told = f"the bead was released at z = {printed(z, 'um')}; 95 % confidence: {pieces} um"
     else:
-        told = f"the track does not determine z: every start from {pieces} um fits it"
+        told = f"the track does not determine z: every release from {pieces} um fits it"
         if any(doubt.refuses for doubt in doubts):
             told = (
-                f"the track does not determine z: of those tried, starts from {pieces} um fit best"
+                "the track does not determine z: of those tried, releases from "
+                f"{pieces} um fit best"
             )
         if len(intervals) > 1:
-            told = f"the track leaves {len(intervals)} places for the start: {pieces} um"
+            told = f"the track allows {len(intervals)} ranges of the release: {pieces} um"
         ends = [
             printed(end, "um")
             for end, reached in (
@@ -690,5 +692,5 @@ def _statement(
         if ends:
             told += f"; the interval is open at the end of the search, {' and '.join(ends)}"
     if any(each.name == "noise" and each.uncertainty is None for each in parameters):
-        told += "; the noise is too small for the track to tell"
+        told += "; the noise is too small to be determined"
     return "; ".join([told, *(doubt.told for doubt in doubts)])

@@ -147,8 +147,8 @@ def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
     """
     if equations.inertial and not equations.drag.uniform:
         raise SceneError(
-            f"simulation.model = {equations.scene.simulation.model!r}: the Kalman filter follows "
-            "no inertia under a drag that depends on the position; set simulation.model to "
+            f"simulation.model = {equations.scene.simulation.model!r}: the Kalman filter does not "
+            "support inertia under a drag that depends on the position; set simulation.model to "
             "overdamped"
         )
     system = equations.system(gradient=True, derivatives=True)
@@ -164,7 +164,7 @@ def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
         out = [np.full((len(camera.times), columns), np.nan) for columns in (3, 3, seen, seen)]
         log_likelihood = loop(system, scale, bead, camera, least, *out)
         if not math.isfinite(log_likelihood):
-            raise IntegrationError(f"no motion from z = {bead.start[2]:.6g} m can be followed")
+            raise IntegrationError(f"the motion from z = {bead.start[2]:.6g} m cannot be computed")
         return Filtered(log_likelihood, *out)
 
     return filtered

@@ -188,7 +188,7 @@ def fit(
     loaded = _loaded(recordings)
     scene = loaded[0].scene if scene is None else checked_scene(scene)
     if scene is None:
-        raise ResultError(f"{loaded[0].name}: needs a scene")
+        raise ResultError(f"{loaded[0].name}: requires a scene")
     free = (free,) if isinstance(free, str) else tuple(free)
     own = forces_of(forces)
     misfit = Misfit(loaded, scene, free, own)
@@ -226,8 +226,8 @@ def _loaded(recordings: Any) -> list[Recording]:
     for each in loaded:
         if each.unit != "m":
             raise ResultError(
-                f"{each.name}: in volts: a scene is fitted to metres; calibrate it first, or give "
-                "the scale"
+                f"{each.name}: in volts: a scene is fitted to positions in metres; calibrate the "
+                "recording first, or give the scale"
             )
     return loaded
 
@@ -241,8 +241,8 @@ def _refuse_unsettled(recording: Recording) -> None:
         farthest, axis = max(begins)
         time = time_taken(max(each.time for each, _ in begins))
         raise ResultError(
-            f"{recording.name}: {axis} starts {farthest.off:.2g} standard deviations off, before "
-            f'the bead rests in the trap; leave out the beginning: --skip "{time}", or '
+            f"{recording.name}: {axis} starts {farthest.off:.2g} standard deviations from the "
+            f'median, before the bead has settled; omit the beginning: --skip "{time}", or '
             f'Recording.since("{time}")'
         )
 
@@ -295,28 +295,34 @@ def _told(
     ]
     lost = [each.key for each in found if not each.determined and each.key not in at_ends]
     if not best.converged:
-        lines.append("the fit has not converged: nothing of it is to be trusted")
+        lines.append("the fit has not converged, so its values are unreliable")
     if p < REFUTED:
         lines.append(
-            f"the spectrum is not that of the scene (p = {p:.1g}): a fixed key, the noise, the "
-            "exposure or the inertia is not that of the recording"
+            f"the spectrum disagrees with the scene (p = {p:.1g}): a fixed key, the noise, the "
+            "exposure or the inertia is wrong for the recording"
         )
     if at_ends:
-        lines.append(f"{' and '.join(at_ends)} at an end of what was tried: begin nearer")
+        lines.append(
+            f"{' and '.join(at_ends)} reached the end of its range; start with closer values"
+        )
     if lost and not lines:
-        lines.append(f"the record does not determine {' and '.join(lost)}")
+        lines.append(f"the recording does not determine {' and '.join(lost)}")
         lines += _degenerate(misfit, best, lost) or _rivals(misfit, rivals)
     if not lines:
-        lines.append(f"the record determines {' and '.join(each.key for each in found)}")
+        lines.append(f"the recording determines {' and '.join(each.key for each in found)}")
     slowest = max(bead.relaxation_time for bead in misfit.beads(best.at))
     length = sum(each.step * len(each.times) for each in misfit.recordings)
     if length < _FEW * slowest:
-        lines.append(f"only {length / slowest:.2g} relaxation times: intervals are too short")
+        lines.append(
+            f"only {length / slowest:.2g} relaxation times, so the intervals are too short"
+        )
     errors = [(high - low) / 3.92 / abs(each.value) for each in found
               for low, high in [each.interval] if low is not None and high is not None]  # fmt: skip
     off = misfit.curved(best.at)
     if errors and off > _HARM * min(errors):
-        lines.append(f"the trap is not harmonic: values may be off by about {100 * off:.2g} %")
+        lines.append(
+            f"the trap is not harmonic, with errors of the values of about {100 * off:.2g} %"
+        )
     return lines
 
 

@@ -199,7 +199,9 @@ class Profile:
         followed = np.isfinite(self.values)
         if not followed.any():
             low, high = search
-            raise IntegrationError(f"no motion from z = {low:.6g} to {high:.6g} m can be followed")
+            raise IntegrationError(
+                f"the motion cannot be computed from any z from {low:.6g} to {high:.6g} m"
+            )
         self.places, self.values = self.places[followed], self.values[followed]
         self.nuisances, self.converged = self.nuisances[followed], self.converged[followed]
 

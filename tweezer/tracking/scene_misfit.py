@@ -70,16 +70,16 @@ class FreeKey:
             raise SceneError(f"free = {key!r}: is not a quantity that can be fitted")
         if not _FITTED.fullmatch(key):
             raise SceneError(
-                f"free = {key!r}: tells nothing of a bead at rest in the trap; allowed: keys of "
+                f"free = {key!r}: does not affect a bead at rest in the trap; choose from keys of "
                 "bead, medium, lens, beam, wall and forces, and camera.exposure, camera.noise and "
                 "camera.noise_along"
             )
         if not isinstance(value, int | float):
-            raise SceneError(f"free = {key!r}: the scene has no value of it to begin with")
+            raise SceneError(f"free = {key!r}: the scene has no initial value for it")
         self.key, self.given, self.quantity = key, float(value), quantity
         self.logarithmic = quantity.low >= 0
         if self.logarithmic and value <= 0:
-            raise SceneError(f"free = {key!r}: must have a first guess above 0 in the scene")
+            raise SceneError(f"free = {key!r}: must have an initial value above 0 in the scene")
         self._most = math.inf
         if key == "camera.exposure" and scene.camera is not None:
             self._most = 1 / scene.camera.rate
@@ -211,7 +211,7 @@ class Misfit:
             except SceneError as error:
                 return str(error)
         if not problem.force.steady:
-            raise SceneError("beam: a scene is fitted whose forces do not change in time")
+            raise SceneError("beam: a fit requires forces that do not change in time")
         rest = nearest_stable(problem.equilibria(problem.net_force_apart))
         if rest is None:
             return "the light holds no bead; change the first guesses"
@@ -354,8 +354,8 @@ def _with_camera(scene: Scene, recordings: Sequence[Recording], free: Sequence[s
     for each in recordings:
         if "z" in each.axes and scene.camera.noise_along is None:
             raise ResultError(
-                "camera.noise_along: missing: the record has z, which the scene's camera does not "
-                "see"
+                "camera.noise_along: missing: the recording has z, which the scene's camera does "
+                "not record"
             )
         known = {"rate": 1 / each.step, "exposure": each.exposure}
         if each.noise is not None:
@@ -366,7 +366,7 @@ def _with_camera(scene: Scene, recordings: Sequence[Recording], free: Sequence[s
             agrees = value is None or math.isclose(value, own, rel_tol=_UNEVEN)
             if not agrees and f"camera.{name}" not in free:
                 raise ResultError(
-                    f"{each.name}: its camera has {name} = {value:.6g}, and the scene, or another "
-                    f"record, {own:.6g}: must be the same"
+                    f"{each.name}: its camera has {name} = {value:.6g}, but the scene or another "
+                    f"recording has {own:.6g}; must be the same"
                 )
     return scene

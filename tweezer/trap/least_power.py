@@ -89,8 +89,8 @@ def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | No
     scene = checked_scene(scene)
     if not (scene.plain and scene.forces.optical) or scene.forces.dlvo is not None:
         raise SceneError(
-            "least power: needs one beam at rest along z through the origin, forces.optical = true "
-            "and no forces.dlvo"
+            "least power: requires one beam at rest along z through the origin, forces.optical = "
+            "true and no forces.dlvo"
         )
 
     def at(power: float) -> Trap:
@@ -107,14 +107,20 @@ def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | No
     high = math.log(_FIRST)
     while above(high) < 0:
         if high == most:
-            warn(f"least power: no power from 1 mW to 100 W holds the bead so long; {_at_most(at)}")
+            warn(
+                "least power: the lifetime is shorter at every power from 1 mW to 100 W; "
+                f"{_at_most(at)}"
+            )
             return None
         high = min(high + _STRIDE, most)
     low = high - _STRIDE
     while above(low) > 0:
         low, high = low - _STRIDE, low
         if low < math.log(_LEAST):
-            raise SceneError(f"time = {time!r}: so soon the bead is not lost even without a trap")
+            raise SceneError(
+                f"time = {time!r}: a free bead stays within reach for longer than this; choose a "
+                "longer time"
+            )
     # add the tolerance, so that the power is on the side where the bead is held
     root = brentq(above, low, high, xtol=_POWER) + _POWER
     power, trap = math.exp(root), at(math.exp(root))

@@ -60,7 +60,7 @@ def load_trap(path: Path) -> tuple[Trap, str]:
 def trap_in(saved: Any, path: Path) -> tuple[Trap, str]:
     """Return the trap in the content of a file, and the version that computed it."""
     if (kind := kind_of(saved)) and kind.name != "trap":
-        raise ResultError(f"{path}: no saved trap: is {kind.told}{kind.way(path.name)}")
+        raise ResultError(f"{path}: not a saved trap: is {kind.told}{kind.way(path.name)}")
     try:
         found = _known(Trap, _NEWER | saved["trap"])
         version = str(saved["tweezer_version"])
@@ -81,11 +81,11 @@ def trap_in(saved: Any, path: Path) -> tuple[Trap, str]:
             vars(trap)["lifetime"] = lifetime and _lifetime(lifetime)
             vars(trap)["lifetime_without_light"] = without_light and _lifetime(without_light)
     except ValidationError as error:
-        raise ResultError(f"{path}: no saved trap: {of_validation(error)}") from None
+        raise ResultError(f"{path}: not a saved trap: {of_validation(error)}") from None
     except KeyError as error:
-        raise ResultError(f"{path}: no saved trap: it has no {error.args[0]}") from None
+        raise ResultError(f"{path}: not a saved trap: it has no {error.args[0]}") from None
     except (TypeError, ValueError, AttributeError) as error:
-        raise ResultError(f"{path}: no saved trap: {' '.join(str(error).split())}") from None
+        raise ResultError(f"{path}: not a saved trap: {' '.join(str(error).split())}") from None
     return trap, version
 
 

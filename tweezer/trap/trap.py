@@ -214,8 +214,8 @@ class Trap(Comparable, Result):
         """Return the stable equilibrium; raise `TweezerError` with the reason if none exists."""
         if self.equilibrium is None:
             raise TweezerError(
-                f"{self.scene.name}: {self.reason}; `Trap.equilibria` has the unstable ones, and "
-                "`Trap.rings` the rings"
+                f"{self.scene.name}: {self.reason}; `Trap.equilibria` lists unstable equilibria, "
+                "and `Trap.rings` the rings"
             )
         return self.equilibrium
 
@@ -241,7 +241,7 @@ class Trap(Comparable, Result):
     def lifetime_caveat(self) -> str | None:
         """Reason why a trap has no lifetime, or an effect that it leaves out; None if neither."""
         if self.other_forces and self._holds is not None:
-            return "not computed with forces beside those of the scene"
+            return "not computed with your own forces"
         return doubt(self.scene, self._holds, self.reach, self.absorbed_power)
 
     def plot(self) -> Figure:
@@ -252,8 +252,8 @@ class Trap(Comparable, Result):
         """Raise `ResultError` for `what` draws the forces of the scene, if there were others."""
         if self.other_forces:
             raise ResultError(
-                f"{what}: shows the forces of the scene alone; this trap has {self.other_forces} "
-                "of your own; take that of characterise(scene) without forces"
+                f"{what}: shows only the forces of the scene, but this trap has "
+                f"{self.other_forces} of your own; use characterise(scene) without forces"
             )
 
     def quantities(self) -> Iterator[Measured]:

@@ -29,7 +29,7 @@ def telling(out: Path | None) -> Iterator[None]:
     except OSError as error:
         raise ResultError(
             f"{out}: cannot be written: {error.strerror or error}; the results written "
-            "before are kept and can be resumed"
+            "before remain and can be resumed"
         ) from None
 
 
@@ -47,7 +47,7 @@ def held(out: Path) -> Iterator[None]:
     with telling(out):
         if path.is_symlink() or (path.exists() and not (path.is_file() and not _size(path))):
             raise ResultError(
-                f"{out}: {path} already exists and is no lock of tweezer; choose another file"
+                f"{out}: {path} already exists and is not a lock of tweezer; choose another file"
             )
         lock = FileLock(path)
         try:
@@ -112,7 +112,8 @@ class Part:
         foreign = folder.exists() and not marked and (not folder.is_dir() or any(folder.iterdir()))
         if folder.is_symlink() or foreign:
             raise ResultError(
-                f"{self.out}: {folder} already exists and is of no {self.of}; choose another file"
+                f"{self.out}: {folder} already exists and belongs to no {self.of}; choose another "
+                "file"
             )
         folder.mkdir(exist_ok=True)
         if not marked:

@@ -153,8 +153,8 @@ def refusal(kind: Kind | None, command: str, taken: Iterable[Kind]) -> str:
 
     It states the kind of the result and lists the kinds that the command accepts.
     """
-    is_ = f"is {kind.told}" if kind else "is no result that is known"
-    return f"{is_}; `tweezer {command}` takes {', '.join(each.told for each in taken)}"
+    is_ = f"is {kind.told}" if kind else "is not a known kind of result"
+    return f"{is_}; `tweezer {command}` accepts {', '.join(each.told for each in taken)}"
 
 
 def read_json(path: Path) -> Any:
@@ -184,7 +184,8 @@ def _content(path: Path) -> tuple[Any, bool]:
             return found, False
         if found.pop(DIGEST) != digest(found):
             raise ResultError(
-                f"{path}: damaged: its content is not what was saved; if you changed it, delete "
+                f"{path}: damaged: its content differs from what was saved; if you changed it, "
+                "delete "
                 f'the key "{DIGEST}"'
             )
         return found, True

@@ -257,7 +257,7 @@ def _sealed(path: Path, about: object) -> dict[str, str]:
     sealed, _, listed = read_text(path / _SEAL).partition("\n")
     if sealed != digest(about, listed):
         raise ResultError(
-            f"{path}: damaged: its {_ABOUT} is not what was saved; if you changed it, delete "
+            f"{path}: damaged: its {_ABOUT} differs from what was saved; if you changed it, delete "
             f"{path / _SEAL}"
         )
     lines = (line.partition(" ") for line in listed.splitlines())
@@ -289,7 +289,7 @@ def _described(path: Path) -> _Described:
             if f"{name}/{_ABOUT}" not in files:
                 raise ResultError(f"{path}: lacks {name}/{_ABOUT}: cut short or damaged")
             if json.loads(read_text(path / name / _ABOUT)) != described:
-                raise ResultError(f"{path}: damaged: {name}/{_ABOUT} is not what was saved")
+                raise ResultError(f"{path}: damaged: {name}/{_ABOUT} differs from what was saved")
             arrays[name] = _Array.model_validate(described)
             if reason := arrays[name].wrong():
                 raise ResultError(f"{path}: not a result of tweezer: {name} {reason}")
@@ -359,8 +359,8 @@ def _check_whole(path: Path, found: _Described) -> None:
             _check_chunk(path, chunk, array)
             if chunk in found.sums and checksum(path / chunk) != found.sums[chunk]:
                 raise ResultError(
-                    f"{path}: damaged: {chunk} is not the chunk that was saved; if you changed it, "
-                    f"delete {path / _SEAL}"
+                    f"{path}: damaged: {chunk} differs from the chunk that was saved; if you "
+                    f"changed it, delete {path / _SEAL}"
                 )
 
 

@@ -168,12 +168,12 @@ def in_base_units(values: Any) -> tuple[NDArray[np.float64], str]:
             if len(units) > 1:
                 raise ValueError(f"has units of different dimensions: {', '.join(sorted(units))}")
             if len({numbers.shape for numbers, _ in parts}) > 1:
-                raise ValueError("must be numbers, as many in each row")
+                raise ValueError("must be numbers, equally many in each row")
             return np.array([numbers for numbers, _ in parts]), "".join(units)
     elif isinstance(values, str):
         number, text = _number_and_unit(values, "SI")
         if not (_UNIT.fullmatch(text) or _HERTZ.fullmatch(text)):
-            raise ValueError(f"has a unit that is not known; known is {_example('SI')}")
+            raise ValueError(f"has an unknown unit; write, for example, {_example('SI')}")
         values = registry().Quantity(number, text.replace("·", "*"))
     unit = ""
     if _has_unit(values):
@@ -200,7 +200,7 @@ def _of_our_registry(value: Any) -> pint.Quantity[Any]:
     try:
         return registry().Quantity(number, unit)
     except Exception as error:  # pint raises errors of many types, even of Python's tokenizer
-        raise ValueError(f"has a unit that is not known: {unit}") from error
+        raise ValueError(f"has an unknown unit: {unit}") from error
 
 
 def without_unit(value: Any, unit: str) -> Any:
@@ -300,7 +300,7 @@ def _by_pint(number: float, text: str, unit: str) -> float:
     try:
         known = _HERTZ if unit == "1/s" else _UNIT
         if not known.fullmatch(text):
-            raise ValueError(f"has a unit that is not known; {_convertible(text, unit)}")
+            raise ValueError(f"has an unknown unit; {_convertible(text, unit)}")
         return float(registry().Quantity(number, text.replace("·", "*")).to(unit).magnitude)
     except pint.errors.PintError:
         raise ValueError(f"has the wrong unit; {_convertible(text, unit)}") from None

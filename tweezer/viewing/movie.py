@@ -57,9 +57,9 @@ def programs() -> dict[str, str]:
     }
     missing = [name for name, path in found.items() if path is None]
     if missing:
-        raise ResultError(f"a film needs {' and '.join(missing)}, not on this machine")
+        raise ResultError(f"a film requires {' and '.join(missing)}, which cannot be found")
     if importlib.util.find_spec("selenium") is None:
-        raise ResultError('a film needs selenium: pip install "tweezer[movie]"')
+        raise ResultError('a film requires selenium; install it with pip install "tweezer[movie]"')
     return {name: path for name, path in found.items() if path is not None}
 
 
@@ -130,7 +130,7 @@ def _pictures(page: Page, folder: Path, where: dict[str, str], count: int) -> It
     try:
         driver = webdriver.Chrome(options, webdriver.ChromeService(where["chromedriver"]))
     except WebDriverException as error:
-        raise ResultError(f"a film: the browser does not start: {error.msg}") from None
+        raise ResultError(f"a film: the browser cannot be started: {error.msg}") from None
     try:
         yield from frames(driver, source, count)
     finally:
@@ -148,7 +148,7 @@ def frames(driver: WebDriver, source: Path, count: int) -> Iterator[bytes]:
     ends = driver.execute_script("return window.tweezer?.duration")
     if not ends:
         title = driver.title.removesuffix(" · tweezer")
-        raise ResultError(f"{title}: a page without time, of which there is no film")
+        raise ResultError(f"{title}: a page without time cannot be filmed")
     first, last = ends
     for i in range(count):
         time = first + (last - first) * i / (count - 1)

@@ -108,5 +108,5 @@ def exactly_one(data: Mapping[str, Any], key: str, other: str) -> None:
     """Raise a refusal unless exactly one of the keys `key` and `other` is given."""
     given = [name for name in (key, other) if data.get(name) is not None]
     if len(given) != 1:
-        both = "not both" if given else "one is needed"
+        both = "give only one" if given else "one is required"
         raise refusal(f"{key} or {other}: {both}")

@@ -107,7 +107,9 @@ class Bead(_Round):
             return with_half(data, "radius", "diameter", *BEAD_RADIUS)
         for key in WITHIN_LAYERS:
             if data.get(key) is not None:
-                raise refusal(f"{key} = {data[key]}: not beside layers, which have their own")
+                raise refusal(
+                    f"{key} = {data[key]}: cannot be combined with layers, which have their own"
+                )
         return data
 
     @field_validator("radius", mode="before")
@@ -132,8 +134,8 @@ class Bead(_Round):
         for i, (inner, outer) in enumerate(itertools.pairwise(self.layers or ()), start=1):
             if not outer.radius > inner.radius:
                 raise refusal(
-                    f"layers.{i}.radius = {outer.radius:g}: must be larger than that of the layer "
-                    f"before, {inner.radius:g}"
+                    f"layers.{i}.radius = {outer.radius:g}: must be larger than the previous "
+                    f"one, {inner.radius:g}"
                 )
         return self
 

@@ -87,9 +87,9 @@ class Lens(Section):
     def _complete(self) -> Self:
         """Refuse a lens without the key that its map from pupil to angle requires."""
         if self.map == "tan" and self.focal_length is None:
-            raise refusal("focal_length: missing; the tan map needs it")
+            raise refusal("focal_length: missing; the tan map requires it")
         if self.map == "sine" and self.numerical_aperture is None:
-            raise refusal("numerical_aperture: missing; the sine map needs it")
+            raise refusal("numerical_aperture: missing; the sine map requires it")
         return self
 
 
@@ -192,8 +192,8 @@ class Beam(Section):
                 )
             if not given and choice in choices:
                 if key == "sigma":
-                    raise refusal(f"{name}: one is needed")
-                raise refusal(f"{key}: missing; {chooser} = {choice!r} needs it")
+                    raise refusal(f"{name}: one is required")
+                raise refusal(f"{key}: missing; {chooser} = {choice!r} requires it")
         return self
 
     @model_validator(mode="after")
@@ -220,7 +220,7 @@ class Beam(Section):
         for i, (radius, larger) in enumerate(itertools.pairwise(self.profile_radius), start=1):
             if larger < max(radius * (1 + 1e-12), 1e-18):
                 raise refusal(
-                    f"profile_radius.{i} = {larger}: must be larger than the one before, {radius}"
+                    f"profile_radius.{i} = {larger}: must be larger than the previous one, {radius}"
                 )
         if max(self.profile_intensity) < 1e-100:
             raise refusal("profile_intensity: must not all be 0")

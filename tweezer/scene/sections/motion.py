@@ -64,7 +64,7 @@ class Start(Section):
     def _some_ball(self) -> Self:
         """Refuse a ball radius unless the start is drawn from a ball, and the reverse."""
         if (self.drawn == "ball") != (self.ball_radius is not None):
-            raise refusal("ball_radius: goes with drawn = 'ball', and with nothing else")
+            raise refusal("ball_radius: must be given if drawn = 'ball', and only then")
         return self
 
     @model_validator(mode="after")
@@ -129,7 +129,7 @@ class Camera(Section):
         if self.exposure > longest * (1 + 1e-9):
             raise refusal(
                 f"exposure = {self.exposure:g}: must be at most {most(longest, 6)} s, the time "
-                "from frame to frame"
+                "between frames"
             )
         return self
 
@@ -199,7 +199,7 @@ class Simulation(Section):
         accept them.
         """
         if self.model == "scaled" and self.scaling_factor is None:
-            raise refusal("scaling_factor: missing; the scaled model needs it")
+            raise refusal("scaling_factor: missing; the scaled model requires it")
         if self.step is not None and self.method != "auto" and not METHODS[self.method].fixed_steps:
-            raise refusal("step: only the compiled methods take fixed steps")
+            raise refusal("step: requires a compiled method; other methods have no fixed steps")
         return self
