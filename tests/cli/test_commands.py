@@ -871,7 +871,7 @@ def test_map_without_a_place_to_keep_it(command_line, monkeypatch, tmp_path):
         warnings.simplefilter("always")
         outcome = command_line("map", "silica-1um", *SMALL_MAP)
     assert outcome.code == 0
-    assert re.fullmatch(r"warning: .*\.table: the table is not kept: .*\n", outcome.err)
+    assert re.fullmatch(r"warning: .*\.table: the table is not saved: .*\n", outcome.err)
     assert "file" not in outcome.out
 
 

@@ -153,5 +153,5 @@ def test_a_given_step_that_is_too_long_is_said_to_be():
         simulation={"model": "full", "method": "exponential", "scaling_factor": None,
                     "duration": "8 ms", "step": "2 ms"},
     )  # fmt: skip
-    with pytest.warns(tweezer.PhysicsWarning, match="the one that is given is too long"):
+    with pytest.warns(tweezer.PhysicsWarning, match="the given step is too long"):
         assert tweezer.simulate(scene).attrs["status"] == "failed"

@@ -64,9 +64,9 @@ def made(lines, entries=ENTRIES, **how):
         ("pose.time[:] = 0.0", "writes to the pose or to an entry"),
         ("vector(data, 1)[0] = 1.0", "writes to the pose or to an entry"),
         ("matrix(data, 2)[0] *= 2.0", "writes to the pose or to an entry"),
-        ("wrench.force[:, 0] = 1e-12", "sets the wrench, which holds the other forces"),
-        ("wrench.error[:] = 1e-18", "sets the wrench, which holds the other forces"),
-        ("wrench.force[:] *= 0.5", "sets the wrench, which holds the other forces"),
+        ("wrench.force[:, 0] = 1e-12", "sets the wrench, which contains the other forces"),
+        ("wrench.error[:] = 1e-18", "sets the wrench, which contains the other forces"),
+        ("wrench.force[:] *= 0.5", "sets the wrench, which contains the other forces"),
         ("wrench.force[:, 0] += undefined", "name 'undefined' is not defined"),
     ],
 )

@@ -185,7 +185,7 @@ def test_of_other_profiles_a_vortex_is_the_phase_alone():
     np.testing.assert_array_equal(cone(gaussian).series, donut.series)
     wide = scene_with("gaussian", width=100).replace(beam={"vortex": 50})
     with pytest.raises(
-        SceneError, match=r"beam\.sigma = 0\.26: next to no light within lens.radius"
+        SceneError, match=r"beam\.sigma = 0\.26: almost no light within lens.radius"
     ):
         cone(wide)
 

@@ -558,5 +558,5 @@ def test_a_dark_beam_has_no_map():
         beam=[beam_of(TWO, power_through_pupil=0.0), beam_of(TWO)], optics={"evaluator": "map"}
     )
     assert np.abs(tweezer.optical_force(dark, [-1.3e-6, 0, 0])).max() > 0
-    with pytest.raises(SceneError, match="a map is of one beam"):
+    with pytest.raises(SceneError, match="a map requires a single beam"):
         tweezer.optics.force_map(dark)

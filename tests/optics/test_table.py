@@ -329,7 +329,7 @@ def flipped(content):
 def test_a_damaged_file_is_made_again(scene, builds, damage):
     first = force_map(scene)
     first.path.write_bytes(damage(first.path.read_bytes()))
-    with pytest.warns(UserWarning, match="damaged; the table is made again"):
+    with pytest.warns(UserWarning, match="damaged; the table is computed again"):
         second = fresh(scene)
     assert second.certified_error == first.certified_error
     fresh(scene)  # sound again
@@ -347,7 +347,7 @@ def test_the_file_of_another_table_is_not_taken(scene):
 def test_without_a_place_to_keep_it(cache_folder, scene, monkeypatch):
     (cache_folder / "file").touch()
     monkeypatch.setenv("XDG_CACHE_HOME", str(cache_folder / "file"))
-    with pytest.warns(UserWarning, match="the table is not kept"):
+    with pytest.warns(UserWarning, match="the table is not saved"):
         made = force_map(scene)
     assert made.path is None
     with warnings.catch_warnings():  # and that is said once
@@ -364,7 +364,7 @@ def test_a_lock_that_is_held_for_ever_is_told_and_ends(scene, monkeypatch, caplo
     monkeypatch.setattr("tweezer.optics.table._LONGEST_WAIT", 0.02)
     with (
         FileLock(path.with_suffix(".lock")),
-        pytest.warns(UserWarning, match="the table is not kept"),
+        pytest.warns(UserWarning, match="the table is not saved"),
     ):
         assert fresh(scene).path is None
     assert "waiting up to 0.02 s for another process" in caplog.text
@@ -431,7 +431,7 @@ def test_a_table_is_read_as_it_was_made(tmp_path):
 
 
 def test_no_map_of_the_dark_or_of_linear_light(scene):
-    with pytest.raises(tweezer.SceneError, match="no light to map the force of"):
+    with pytest.raises(tweezer.SceneError, match="requires light, but the scene is dark"):
         force_map(scene.replace(beam={"power": 0}))
     assert evaluators_of(scene.replace(beam={"power": 0})) == "dark"
     linear = scene.replace(

@@ -161,7 +161,7 @@ def continued(scene: Scene, attributes: Mapping[str, Any], times: Array) -> tupl
         if each.camera is not None:
             raise SceneError(
                 f"camera: {told} has one, and an exposure that is open at the end of a run is not "
-                "kept; leave out the camera of both"
+                "saved; remove the camera from both scenes"
             )
     if scene.forces.brownian != earlier.forces.brownian:
         raise _different("forces.brownian", scene.forces.brownian, earlier.forces.brownian)
@@ -185,21 +185,20 @@ def continued(scene: Scene, attributes: Mapping[str, Any], times: Array) -> tupl
 
 
 def _end_of(attributes: Mapping[str, Any], times: Array) -> End:
-    """Return the end of a run that can go on."""
+    """Return the state at the end of a run, from which it can be continued."""
     status = attributes.get("status")
     if status == "lost":
         raise ResultError(
-            f"continue_from: {attributes.get('message')}; a run without its bead cannot go on"
+            f"continue_from: {attributes.get('message')}; a lost bead cannot be continued"
         )
     if status == "failed":
         raise ResultError(
-            f"continue_from: the run {attributes.get('message')}; only a run that did not fail can "
-            "go on"
+            f"continue_from: the run {attributes.get('message')}; a failed run cannot be continued"
         )
     if "end" not in attributes:
         raise ResultError(
-            "continue_from: is no run that keeps the state of its end: not a run, of an earlier "
-            "version, or ended by an event in thermal motion; compute it again"
+            "continue_from: does not contain the state at the end of a run; it is not a run, is "
+            "from an earlier version, or was ended by an event in thermal motion; compute it again"
         )
     try:
         end = End.model_validate_json(attributes["end"])
@@ -207,7 +206,7 @@ def _end_of(attributes: Mapping[str, Any], times: Array) -> End:
         raise ResultError("continue_from: the attribute `end` is damaged") from None
     if not len(times) or times[-1] != end.time:
         raise ResultError(
-            f"continue_from: is a part of a run, which ends at {end.time:.9g} s; give all of it"
+            f"continue_from: is a part of a run, which ends at {end.time:.9g} s; pass the whole run"
         )
     return end
 

@@ -30,17 +30,15 @@ from tweezer.values.errors import IntegrationError, SceneError
 #: most steps whose dense output is held in memory, some 250 bytes each
 MOST_HELD = 2**18
 
-#: why a compiled loop gave up
+#: message for each way in which a compiled loop fails
 _FAILURES = {
-    integrators.COLLAPSED: "the step has collapsed: no step meets the tolerances, or the one that "
-    "is given is too long",
+    integrators.COLLAPSED: "the step has collapsed: no step meets the tolerances, or the given "
+    "step is too long",
     integrators.NOT_FINITE: "the force or the state is not finite",
     integrators.EXHAUSTED: "simulation.most_force_calls is spent",
 }
 #: reason of `COLLAPSED` for a run that entered a wall
-_IN_A_WALL = (
-    "the bead went into the wall: the step that is given is too long, or contact too soft for it"
-)
+_IN_A_WALL = "the bead entered the wall: the given step is too long, or the contact is too soft"
 #: Depth in a wall, m, and in tolerances of the position, up to which contact is soft
 SOFT, SOFT_IN_TOLERANCES = 1e-9, 3.0
 
@@ -356,7 +354,7 @@ class SciPySolver:
                 f"{error}: the first step, which {self._method} chooses by itself, is too long"
             ) from None
         if solver.status == "failed":
-            raise IntegrationError(failure or "the solver gave up")
+            raise IntegrationError(failure or "the solver failed")
         self.steps += 1
         # the dense output of the step as it was taken; of DOP853 it costs force calls
         piece = _Step(solver.dense_output(), float(solver.t_old), float(solver.t))

@@ -121,7 +121,7 @@ class Walk:
             warn(
                 f"{self.scene.name}: with steps of {self.step:.3g} s the variance of the position "
                 f"is about {100 * abs(bias):.2g} % too {size}; simulation.step of "
-                f"{part * self.step:.1g} s or less makes that 1 %"
+                f"{part * self.step:.1g} s or less reduces the error to 1 %"
             )
 
     @property
@@ -374,7 +374,7 @@ class Walk:
             if fault := fault_of(self.problem.force):
                 raise IntegrationError(f"trajectory {trajectories[failed]}: {fault}")
             raise IntegrationError(
-                f"trajectory {trajectories[failed]}: the force or the place is not finite after "
+                f"trajectory {trajectories[failed]}: the force or the position is not finite after "
                 f"{sample * plan.per_sample * plan.step:.6g} s: the step of {self.step:.3g} s is "
                 "too long"
             )

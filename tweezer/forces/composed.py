@@ -227,7 +227,7 @@ class Course:
         times = self.times
         if math.isfinite(self.period):
             if end / self.period > _MOST_PERIODS:
-                raise SceneError(f"{end / self.period:.2g} periods of a force in a run: too many")
+                raise SceneError(f"{end / self.period:.2g} periods of a force: too many for a run")
             repeats = np.arange(math.ceil(end / self.period) + 1) * self.period
             within = np.append(0.0, self.times[self.times < self.period * (1 - 1e-12)])
             times = (repeats[:, None] + np.unique(within)).ravel()

@@ -281,8 +281,8 @@ def first_look(function: Any, data: Data, *, gradient: bool, turns: bool) -> str
         line = _first_line(function, data, each, filled, functools.partial(_is_set, before))
         if line is not None:
             raise ForceError(
-                f"{_place(function, line)}: sets the wrench, which holds the other forces; add to "
-                "it with +="
+                f"{_place(function, line)}: sets the wrench, which contains the other forces; "
+                "add to it with +="
             )
     together, *singly = found[:4]
     for i, one in enumerate(singly):

@@ -135,7 +135,7 @@ def fraction_through_pupil(lens: Lens, beam: Beam) -> float:
     fraction = float(gammainc(power + 1, t))
     if not fraction > _LEAST_FRACTION:
         raise SceneError(
-            f"beam.sigma = {beam.sigma:.3g}: next to no light within lens.radius = "
+            f"beam.sigma = {beam.sigma:.3g}: almost no light within lens.radius = "
             f"{lens.radius:.3g} m"
         )
     return fraction

@@ -167,7 +167,7 @@ def light_of_one_beam(scene: Scene) -> LightForce:
     force: LightForce = evaluator(scene.optics.evaluator).load(scene.theory)(scene)
     if (off := force.light.cone.deviation) > _UNEVEN:
         warn(
-            f"beam.profile_intensity: points so uneven that the light summed differs from them by "
+            f"beam.profile_intensity: points so uneven that the light used differs from them by "
             f"up to {100 * off:.2g} % of the peak",
         )
     return force
@@ -198,9 +198,9 @@ def force_map(scene: Scene, progress: Progress | None = None) -> Table:
     Also warns if the file is damaged, and is then computed again, or if it cannot be written.
     """
     if scene.more_beams:
-        raise SceneError("beam: a map is of one beam; a run makes that of each that it needs")
+        raise SceneError("beam: a map requires a single beam; a run computes the map of each beam")
     if not scene.lit:
-        raise SceneError("optics.evaluator = 'map': there is no light to map the force of")
+        raise SceneError("optics.evaluator = 'map': requires light, but the scene is dark")
     made: Table = at(THEORIES[scene.theory].map)(scene, progress)
     return made
 

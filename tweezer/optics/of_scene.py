@@ -172,8 +172,8 @@ class SceneLight:
             if (missed := ratio > 1).any():
                 warn(
                     f"the quadrature misses optics.tolerance = {tolerance:g} at {missed.sum()} of "
-                    f"{len(listed)} places: estimated errors are up to {ratio.max():.2g} times "
-                    "what it allows",
+                    f"{len(listed)} positions: estimated errors are up to "
+                    f"{ratio.max():.2g} times the allowed error",
                 )
         return field
 

@@ -204,19 +204,19 @@ def _kept(
         path.parent.mkdir(parents=True, exist_ok=True)
         _wait_for(lock)
     except (OSError, NotImplementedError) as error:
-        warn(f"{path}: the table is not kept: {error}", UserWarning)
+        warn(f"{path}: the table is not saved: {error}", UserWarning)
         return make(), None
     try:
         # the process that held the lock may have written it
         if (made := _load(path, key, kind)) is not None:
             return made, path
         if path.exists():
-            warn(f"{path}: damaged; the table is made again", UserWarning)
+            warn(f"{path}: damaged; the table is computed again", UserWarning)
         made = make()
         try:
             _save(path, key, made)
         except ResultError as error:
-            warn(f"{path}: the table is not kept: {error}", UserWarning)
+            warn(f"{path}: the table is not saved: {error}", UserWarning)
             return made, None
         return made, path
     finally:

@@ -304,7 +304,7 @@ def _pieces(
     if math.prod(counts) * functions > _MOST_POLYNOMIALS:
         raise SceneError(
             f"optics.table_range: {math.prod(counts):.2g} pieces are too many for a map, allowed: "
-            f"{_MOST_POLYNOMIALS // functions}; take a smaller range, or optics.evaluator = "
+            f"{_MOST_POLYNOMIALS // functions}; choose a smaller range, or optics.evaluator = "
             "'quadrature'"
         )
     return counts
