@@ -3,6 +3,7 @@
 Pages: the sources of the site, and the README. Notebooks are executed by test_notebooks.py.
 """
 
+import json
 import os
 import re
 import shlex
@@ -120,6 +121,35 @@ def test_commands_run(page, place, command_line):
                 check=False, capture_output=True, text=True,
             )  # fmt: skip
             assert done.returncode == 0, f"{block.source}\n{done.stdout}\n{done.stderr}"
+
+
+def test_the_landing_page_shows_what_its_lines_print(capsys):
+    page = (ROOT / "docs/index.md").read_text()
+    source, shown = re.search(r"```python\n(.*?)```\n\n```\n(.*?)```", page, re.DOTALL).groups()
+    exec(compile(source, "index.md", "exec"), {})
+    assert capsys.readouterr().out == shown
+    assert len([line for line in source.splitlines() if line]) <= 10
+
+
+def test_the_knobs_of_the_landing_page_show_computed_traps():
+    knobs = json.loads((ROOT / "docs/knobs.json").read_text())
+    scene = tweezer.load_scene(knobs["scene"])
+    for diameter, aperture, power in ((4, 5, 3), (7, 2, 5), (2, 3, 0)):
+        trap = tweezer.characterise(
+            scene.replace(
+                bead={"diameter": knobs["diameter_um"][diameter] * 1e-6},
+                lens={"numerical_aperture": knobs["numerical_aperture"][aperture]},
+                beam={"power_through_pupil": knobs["power_mW"][power] * 1e-3},
+            )
+        )
+        shown = {
+            "lateral_pN_per_um": 1e6 * trap.stiffness_xyz[0],
+            "axial_pN_per_um": 1e6 * trap.stiffness_xyz[2],
+            "equilibrium_z_um": 1e6 * trap.equilibrium.position[2],
+            "depth_kT": min(escape.energy_kT for escape in trap.escapes),
+        }
+        for name, value in shown.items():
+            assert knobs[name][diameter][aperture][power] == pytest.approx(value, rel=6e-4), name
 
 
 def test_what_is_not_run_is_in_the_documentation():
