@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-#: Number of bins of a distribution
+#: Largest number of bins of a distribution
 _BINS = 40
 #: Number of beads read at once
 _READ = 1000
@@ -110,12 +111,13 @@ def _draw_distribution(axes: Axes, ensemble: xr.Dataset) -> None:
         if whole:
             values = ensemble["position"].sel(axis=axis).isel(time=-1).values * per("um")
             values = values[np.isfinite(values)]
+            bins = min(_BINS, max(8, round(math.sqrt(values.size))))
             if values.size:
-                axes.hist(values, _BINS, density=True, histtype="step", label=axis, **mark.curve)
+                axes.hist(values, bins, density=True, histtype="step", label=axis, **mark.curve)
         else:
             density = ensemble["density"].sel(axis=axis).values / per("um")
             axes.plot(ensemble["bin"].values * per("um"), density, label=axis, **mark.curve)
-    axes.set(xlabel="position (µm)", ylabel="probability density (1/µm)")
-    axes.set_title("at the end" if whole else "all samples", pad=14)
+    when = "at the end" if whole else "in all samples"
+    axes.set(xlabel=f"position {when} (µm)", ylabel="probability density (1/µm)")
     if axes.has_data():
         style.legend_above(axes, 3)
