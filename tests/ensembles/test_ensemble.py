@@ -1039,9 +1039,12 @@ SHORT = [
 
 
 def test_command(command_line):
-    outcome = command_line("ensemble", *SHORT, "--seed", "3", "--duration", "2 ms")
+    outcome = command_line(
+        "ensemble", *SHORT, "--seed", "3", "--duration", "2 ms", "--plot", "beads.png"
+    )
     assert (outcome.code, outcome.err) == (0, "")
-    assert outcome.out.splitlines()[-1] == "wrote silica-1um.zarr"
+    assert outcome.out.splitlines()[-1] == "wrote silica-1um.zarr and beads.png"
+    assert Path("beads.png").read_bytes().startswith(b"\x89PNG")
     assert "200 of 200" in outcome.out
     runs = xr.open_zarr("silica-1um.zarr", chunks=None)
     expected = tweezer.ensemble(tweezer.scene_of(runs), 200, seed=3)

@@ -12,6 +12,8 @@ import typer
 from tweezer.cli.app import (
     Changes,
     Details,
+    FigureFile,
+    Overwrite,
     OwnForces,
     Quiet,
     Resume,
@@ -30,6 +32,8 @@ from tweezer.cli.console import (
     showing_progress,
     tell_written,
     writable,
+    writable_figure,
+    write_figure,
 )
 from tweezer.cli.tables import print_shown
 from tweezer.values.errors import PhysicsWarning
@@ -78,13 +82,16 @@ def ensemble(
     ] = None,
     force: OwnForces = None,
     set: Changes = None,
+    plot: FigureFile = None,
+    overwrite: Overwrite = False,
     details: Details = False,
     quiet: Quiet = False,
 ) -> None:
     """Simulate the bead in SCENE many times.
 
     Each trajectory has independent thermal motion, which the command adds to a scene without it.
-    Continue an interrupted ensemble with --resume.
+    Continue an interrupted ensemble with --resume. --overwrite applies only to the figure of
+    --plot.
     """
     begin(details=details, quiet=quiet)
     from tweezer.scene.arguments import check_ensemble
@@ -94,6 +101,7 @@ def ensemble(
     skipped = quantity_in("--skip", skip, Time) if skip else 0.0
     out = out or Path(f"{described.name}-statistics.nc" if statistics else f"{described.name}.zarr")
     out = writable(out, ("nc",) if statistics else STORES)
+    plot = writable_figure(plot, overwrite=overwrite)
     check_ensemble(
         described, trajectories, seed=seed, out=out, statistics=statistics, skip=skipped,
         scheduler=scheduler, workers=workers,
@@ -115,7 +123,11 @@ def ensemble(
         done = f"{result.attrs['trajectories_done']} of {trajectories} trajectories"
         complain(f"{described.name}: interrupted after {done}; continue with --resume")
         raise typer.Exit(INTERRUPTED)
-    tell_written(out)
+    if plot:
+        from tweezer.plots import ensemble_figure
+
+        write_figure(ensemble_figure(result), plot)
+    tell_written(out, plot)
 
 
 def _rows(scene: Scene, result: xr.Dataset) -> Iterator[Row]:

@@ -122,11 +122,9 @@ def sweep(
             progress=progress, forces=force or [],
         )  # fmt: skip
     _print_sweep(described.name, result)
-    done, count = result.attrs["cases_done"], result.attrs["cases"]
     if result.attrs["status"] == "interrupted":
-        complain(
-            f"{described.name}: interrupted after {done} of {count} cases; continue with --resume"
-        )
+        done = f"{result.attrs['cases_done']} of {result.attrs['cases']} cases"
+        complain(f"{described.name}: interrupted after {done}; continue with --resume")
         raise typer.Exit(INTERRUPTED)
     if plot:
         from tweezer.plots.sweeps import sweep_figure
