@@ -878,7 +878,7 @@ def test_map_without_a_place_to_keep_it(command_line, monkeypatch, tmp_path):
 @pytest.mark.parametrize(
     ("settings", "line"),
     [(["beam.polarisation=linear", "optics.theory=rays"], "optics.evaluator = .map.: rays need .*"),
-     (["beam.power_through_pupil=0"], "optics.evaluator = 'map': there is no light .*"),
+     (["beam.power_through_pupil=0"], "optics.evaluator = 'map': requires light, .*"),
      (["optics.evaluator=grid"], "optics.evaluator = 'grid': must be 'map' .*"),
      (["optics.table_range=0.4"], "optics.table_range = 0.4: must be from 0.5 to 20")],
 )  # fmt: skip
