@@ -153,8 +153,8 @@ def test_null_in_the_file_of_a_command_is_nan(tmp_path):
     ("result", "name", "reason"),
     [
         (xr.Dataset(), "x.nc", "Dataset is not a result of tweezer"),
-        (3, "x.json", "this int is no result"),
-        ((), "x.json", "this tuple is no result"),
+        (3, "x.json", "this int is not a result"),
+        ((), "x.json", "this tuple is not a result"),
         (tuning(), "x.nc", "must end in .json"),
     ],
 )
@@ -187,7 +187,7 @@ def test_a_file_with_an_array_of_no_numbers_is_refused(entries, tmp_path):
 
 def test_tuples_that_are_no_result_are_refused(tmp_path):
     for several in ((calibration(), calibration()), (surface(),), (calibration(), 3)):
-        with pytest.raises(tweezer.ResultError, match="tuple is no result"):
+        with pytest.raises(tweezer.ResultError, match="tuple is not a result"):
             tweezer.save(several, tmp_path / "x.json")
         with pytest.raises(tweezer.ResultError, match="not a known kind of result"):
             tweezer.compare(several, calibration())
