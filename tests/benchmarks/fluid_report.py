@@ -66,7 +66,7 @@ def tables(results: Results) -> list[list[list[str]]]:
         ),
     ]  # fmt: skip
     told = [
-        ["viscosity, mPa s", "runs", "poles", "largest true error, nm", "runs reported below it",
+        ["viscosity, mPa·s", "runs", "poles", "largest true error, nm", "runs reported below it",
          "reported / true, smallest", "median", "largest"],
         *(_told(results["told"]["runs"], low, high) for low, high in _DECADES),
     ]  # fmt: skip

@@ -340,7 +340,7 @@ def _one_ray(effort: Effort) -> Results:
 def _summed(add_up, rays, n_mP, found):  # type: ignore[no-untyped-def]
     count = rays.shape[1]
     for _ in range(_PASSES):
-        add_up(rays, 0, count, 0.3, -0.4, 0.2, 1.0, n_mP, 0.0, 0.0, 0.0, 0.0, found)
+        add_up(rays, 0, count, 0.3, -0.4, 0.2, 1.0, n_mP, (0.0, 0.0, 0.0, 0.0), found)
 
 
 @numba.njit(error_model="numpy", fastmath={"reassoc", "contract", "arcp", "nsz"})

@@ -151,7 +151,7 @@ def test_quick_run(here, command_line, tmp_path, monkeypatch, committed):
         "bench", "force", "--quick", "--out", "force.json", "--plot", "force.png"
     )  # fmt: skip
     assert (done.code, done.err) == (0, "")
-    assert "a ray that hits" in done.out
+    assert "one ray that hits" in done.out
     assert (tmp_path / "force.png").stat().st_size > 10_000
     results = json.loads((tmp_path / "force.json").read_text())
     assert shape(results["headline"]) == shape(committed["headline"])

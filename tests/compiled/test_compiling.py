@@ -659,7 +659,7 @@ def test_without_room_for_it_what_is_compiled_is_not_kept(function):
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, limits)
 
-    with pytest.warns(UserWarning, match="not kept: File too large") as warned:
+    with pytest.warns(UserWarning, match="cannot be stored: File too large") as warned:
         assert twice_without_room() == 0
     assert len(warned) == 1
     assert function()[0] == 0

@@ -27,7 +27,7 @@ from tweezer.compiled import cached_njit
 from tweezer.optics.rays import nodes, ray_sum
 
 circular = ray_sum.Rays("circular", denser_medium=False, gradient=False, moment=False)
-efficiencies = ray_sum.efficiencies_of(circular)
+efficiencies = ray_sum.efficiencies_of_rings(circular)
 Q, S = nodes.Q_OF, nodes.S_OF
 
 @cached_njit()

@@ -118,7 +118,7 @@ def test_a_force_that_is_not_finite_fails_the_run(monkeypatch):
 def test_a_run_ends_when_its_force_calls_are_spent():
     whole = tweezer.simulate(SCENE, seed=3)
     calls = whole.attrs["force_calls"]
-    with pytest.warns(tweezer.PhysicsWarning, match="most_force_calls is spent"):
+    with pytest.warns(tweezer.PhysicsWarning, match="most_force_calls is reached"):
         run = tweezer.simulate(SCENE.replace(simulation={"most_force_calls": calls // 2}), seed=3)
     assert run.attrs["status"] == "failed"
     assert run.attrs["force_calls"] == calls // 2

@@ -14,7 +14,7 @@ const FORCES = {
   wall: ["walls", "force-wall", true],
   others: ["other forces", "force-wall", true],
   drag: ["drag", "force-drag", true],
-  fluid: ["inertia of the fluid", "terminal", true],
+  fluid: ["inertia of the fluid", "force-fluid", true],
   sum: ["sum", "force-sum", false],
 };
 const DASHES = { x: [], y: [7, 3], z: [2, 2.5] };

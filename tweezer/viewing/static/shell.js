@@ -134,7 +134,7 @@ export class Shell {
           redraw();
         } });
         this.onReset(() => { if (!box.checked) box.click(); });
-        return make("label", {}, box, ` ${name}`);
+        return make("label", {}, box, name);
       });
     return make("fieldset", { class: "layers" }, make("legend", {}, "Show"), ...boxes);
   }
