@@ -144,7 +144,7 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
 
 @event_priority(50)  # before figures are made to enlarge
 def on_page_content(content: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """LaTeX of pages and notebooks as MathML, which browsers draw by themselves; figures apart."""
+    """Replace LaTeX in pages and notebooks by MathML, which browsers draw without a library."""
     if page.file.src_uri in NOTEBOOKS:
         content = _of_a_notebook(content, page, config, files)
 

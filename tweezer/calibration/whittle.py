@@ -456,8 +456,8 @@ def usable(
     """Return the low-frequency part of a periodogram that a fit starting at `start` should use.
 
     It ends at 20 times the roll-off of the spectrum, above which the bead hardly moves, or at
-    the Nyquist frequency if `to_the_end`. It ends earlier if leakage, which correlates the
-    ordinates, exceeds the noise of their sum.
+    the Nyquist frequency if `to_the_end`. It ends earlier where spectral leakage, the power from
+    other frequencies in a finite recording, would change the fit by more than its noise.
     """
     sampled = start.sampled_spectrum(periodogram.frequencies, periodogram.step)
     leakage = periodogram.expected(start) / sampled - 1

@@ -337,10 +337,10 @@ def without_memory(problem: Bound, motion: str) -> str:
 def with_inertia_of_the_fluid(
     problem: AnyProblem, memory: Callable[[AnyProblem], tuple[int, str]]
 ) -> tuple[AnyProblem, str]:
-    """Return a problem, of a decided model, with its fluid inertia decided, and the reason.
+    """Choose the inertia of the fluid for a problem whose model of motion is chosen.
 
-    memory: function that returns the number of poles, and the reason, for a problem with memory.
-    Raises `SceneError` if the scene names a memory that cannot be followed.
+    Returns the problem with this choice, and the reason for it. The memory of the fluid is a sum of
+    exponentials; `memory` returns their number (poles) for a problem, and the reason. Raises `SceneError` if the scene names a memory that cannot be followed.
     """
     medium = problem.scene.medium
     missing = without_memory(problem, THERMAL if problem.scene.forces.brownian else DETERMINISTIC)

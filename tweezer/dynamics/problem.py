@@ -152,11 +152,12 @@ class Problem:
     def mobility(self) -> Array:
         """Mobilities along N1, N2, N3 (s/kg) and about them (1/(N m s)) at the start, (6,).
 
-        Raises `SceneError` if the drag does not dissipate energy in every motion.
+        N1, N2 and N3 are the axes of the laboratory, and N3 is normal to the walls. Raises `SceneError` if the drag does not dissipate energy in every motion.
         """
         value = self._resisted(np.array([self.scene.start_position]))
-        parallel, _, turn, _, roll = value[0].tolist()
-        if not (np.isfinite(value).all() and value[0, :4].min() > 0 and roll**2 < parallel * turn):
+        parallel, _, turn, _, coupling = value[0].tolist()
+        positive = value[0, :4].min() > 0 and coupling**2 < parallel * turn
+        if not (np.isfinite(value).all() and positive):
             raise SceneError(
                 f"drag: the mobilities at the start, {value[0].tolist()}, are not positive"
             )

@@ -120,7 +120,7 @@ def _block_there(job: Job, run: Path, index: int) -> Gathered | None:
     Raises `TweezerError` if this process would compute different numbers. The statistics stay in
     the block's checkpoint, so that they do not pass through the scheduler.
     """
-    bound = _bound(job.scene, job.seed)
+    bound = _walk_of(job.scene, job.seed)
     for key, value in found_of(bound).items():
         if value != job.found[key]:
             raise TweezerError(
@@ -132,8 +132,11 @@ def _block_there(job: Job, run: Path, index: int) -> Gathered | None:
 
 
 @functools.lru_cache(maxsize=2)
-def _bound(scene: str, seed: int) -> Walk:
-    """Return the walk of a scene (JSON) in a worker, cached for the next block."""
+def _walk_of(scene: str, seed: int) -> Walk:
+    """Return the thermal motion of a scene (JSON), ready to be simulated with this seed.
+
+    It is cached, so that a worker prepares it once for all its blocks of trajectories.
+    """
     return walk(Scene.model_validate_json(scene), seed)
 
 

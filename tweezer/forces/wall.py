@@ -96,7 +96,10 @@ class Contact(Force):
     """F_0, N: about 1000 times the largest force towards the wall"""
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:  # noqa: ARG002
-        """Return the kernel of this force and its data; see `Force.compiled`."""
+        """Return the compiled function that adds the contact force, and its data.
+
+        The function adds the gradient where the kernel asks for one. See `Force.compiled`.
+        """
         return _add_contact, packed(self.radius, self.position, self.normal, self.largest)
 
 

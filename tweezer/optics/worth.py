@@ -169,7 +169,7 @@ def _facing(scene: Scene) -> bool:
 def ray_optics_caveat(scene: Scene) -> str | None:
     """Return the validity of ray optics in one sentence, with the way to the exact force.
 
-    Returns None if `ray_optics_worth` returns None.
+    Returns None without light, and where the light is computed as waves.
     """
     worth = ray_optics_worth(scene)
     if worth is None:
@@ -206,7 +206,7 @@ def ray_optics_caveat(scene: Scene) -> str | None:
 def ray_optics_warning(scene: Scene) -> str | None:
     """Return the validity of ray optics in one line of about 90 characters.
 
-    Returns None if `ray_optics_worth` returns None.
+    Returns None without light, and where the light is computed as waves.
     """
     worth = ray_optics_worth(scene)
     if worth is None:

@@ -37,8 +37,19 @@ def draw_free(
 ) -> None:
     """Draw the record with its drift, mean squared displacement, steps, and diffusion by lag.
 
-    Displacements are less the drift. Curves are those of the fitted diffusion, shaded is its 95 %
-    confidence interval. A recording in volts is drawn in volts.
+    The drift is subtracted from displacements and steps. Curves show the fitted diffusion, and the
+    shaded area shows its 95 % confidence interval. A recording in volts is drawn in volts.
+
+    Parameters
+    ----------
+    figure : Figure or SubFigure
+        Figure to draw in.
+    recording : Recording
+        Recording of the free bead.
+    calibration : Calibration
+        Calibration of the recording, which contains its name and unit.
+    found : Diffusion
+        Diffusion fitted to the recording.
     """
     unit = "um" if calibration.unit == "m" else "mV"
     scale, shown = per(unit), typeset(unit)
@@ -144,8 +155,18 @@ def _draw_lags(
 def draw_records(panels: list[Axes], recording: Recording, unit: str, scale: float) -> None:
     """Draw the positions along each axis over time, in a panel each, relative to their mean.
 
-    A long recording is thinned to about 6000 samples. unit, scale: unit of the positions in the
-    figure, and its factor from that of the recording.
+    A long recording is thinned to about 6000 samples.
+
+    Parameters
+    ----------
+    panels : list of Axes
+        One panel for each axis of the recording.
+    recording : Recording
+        Recording to draw.
+    unit : str
+        Unit of the positions in the figure, typeset.
+    scale : float
+        Factor from the unit of the recording to `unit`.
     """
     shown = slice(None, None, -(-len(recording.times) // _SHOWN))
     for axes, axis, positions in zip(panels, recording.axes, recording.positions.T, strict=True):

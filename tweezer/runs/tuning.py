@@ -14,7 +14,7 @@ from tweezer.dynamics import Integration, bind, bound_once, integrate
 from tweezer.dynamics.budget import TIGHTER, same_steps
 from tweezer.dynamics.models import RATE_TIME
 from tweezer.dynamics.path import largest_distance
-from tweezer.scene import Scene, checked_scene
+from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.values.errors import TweezerError
 from tweezer.values.printed import printed, with_error
 from tweezer.values.rounding import time_taken
@@ -124,7 +124,7 @@ class Tuning(Shown):
 
 
 def tune(
-    scene: Scene,
+    scene: SceneLike,
     factors: Sequence[float] | None = None,
     *,
     duration: float | None = None,
@@ -140,8 +140,9 @@ def tune(
 
     Parameters
     ----------
-    scene : Scene
-        Scene with equal moments of inertia, which the exponential method requires.
+    scene : Scene or str or Path
+        Scene with equal moments of inertia, which the exponential method requires, or its name or
+        file.
     factors : sequence of float, optional
         Scaling factors a2, 1e-12 to 1. Default: from epsilon to 1.
     duration : float, optional

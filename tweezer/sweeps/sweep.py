@@ -236,7 +236,7 @@ def _check_some_case(asked: Asked, grid: Cases) -> None:
 
 
 def _workers_of(asked: Asked, workers: int | None, scheduler: object, out: object) -> int | None:
-    """Return the given number of workers, or 1 with forces that no other process can read.
+    """Return the given number of workers, or 1 with forces that cannot be sent to a process.
 
     Raises `SceneError` if such forces are combined with other workers, a scheduler or an output.
     """

@@ -25,7 +25,7 @@ from tweezer.dynamics.problem import bound_once
 from tweezer.fluid import drag
 from tweezer.optics import light_of_one_beam
 from tweezer.reading.recording import Track, load_track
-from tweezer.scene import Scene, checked_scene
+from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.scene.arguments import in_si, numbers_in_si
 from tweezer.scene.bead import bead_properties
 from tweezer.scene.choices import evaluator
@@ -189,7 +189,7 @@ class DepthFit(Shown):
 
 def fit_depth(
     source: Track | xr.Dataset | str | Path,
-    scene: Scene | None = None,
+    scene: SceneLike | None = None,
     *,
     noise: QuantityLike | None = None,
     exposure: QuantityLike | None = None,
@@ -236,8 +236,9 @@ def fit_depth(
     ----------
     source : Track, xarray.Dataset, str or Path
         A track, or a source for `load_track`.
-    scene : Scene, optional
-        Bead, medium and light. Default: the scene of a run of tweezer.
+    scene : Scene or str or Path, optional
+        Bead, medium and light: a scene, its name or its file. Default: the scene of a run of
+        tweezer.
     noise : float or str, optional
         Standard deviation of a coordinate, m. Default: fitted.
     exposure : float or str, optional

@@ -130,7 +130,7 @@ def lifetime(
     fields = [_field(problem, start, side) for side in ((0,) if problem.symmetric else (0, 1))]
     if min(_least_work(region, field, start) for field in fields) > DEEP * energy:
         return Lifetime(math.inf, 0.0, radius)
-    found = [_log_time(region, field, start, energy) for field in fields]
+    found = [_log_escape_time(region, field, start, energy) for field in fields]
     mean = float(np.mean([log for log, _ in found]))
     if not mean < math.log(LONGEST):
         return Lifetime(math.inf, 0.0, radius)
@@ -305,13 +305,14 @@ def _least_work(region: Region, field: Field, start: tuple[float, float]) -> flo
     )
 
 
-def _log_time(
+def _log_escape_time(
     region: Region, field: Field, start: tuple[float, float], energy: float
 ) -> tuple[float, float]:
-    """Return the logarithm of the mean time in s from `start` (rho, z), m, and its error.
+    """Return the logarithm of the mean time to escape from `start`, and its error.
 
-    `energy` is k_B T, J. If the error is large, closer nodes are used, because a heavy bead may be
-    held far from the focus, or in a narrow region.
+    start: (rho, z), m. energy: k_B T, J. The time is in s. If the error is large, the time is
+    computed again on a finer grid, because a heavy bead may be held far from the focus, or in a
+    narrow region.
     """
     log, error = _extrapolated(region, field, start, energy)
     if error > _ENOUGH:

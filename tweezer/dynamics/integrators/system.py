@@ -295,10 +295,10 @@ class Equations(Protocol):
 
     @property
     def moving(self) -> Force:
-        """Force on the bead; if the drag depends on the position, an equivalent force.
+        """Force that drives the bead with the constant mobilities of `relaxation`.
 
-        With the constant mobilities of `relaxation`, the equivalent force gives the same
-        velocities.
+        It is the force on the bead, unless the drag depends on the position. Then it is the force
+        that gives the same velocity with the constant mobilities.
         """
 
     @property

@@ -77,15 +77,17 @@ class Place(NamedTuple):
     """Position of the bead, seen from the focus."""
 
     ratio: float
-    """d/r"""
+    """d/r, the distance of the bead's centre from the focus over the bead's radius"""
     cos_tilt: float
+    """cosine of gamma, the angle between the beam's axis and the line to the bead"""
     sin_tilt: float
-    """of the angle gamma between the beam's axis and the line to the bead"""
+    """sine of gamma"""
     delta: float
+    """sqrt(|1 - (r/d)^2|), which vanishes for a focus on the surface of the bead"""
     beside: bool
-    """whether d > r"""
+    """whether the focus is outside the bead, d > r"""
     crowded: bool
-    """whether delta is small"""
+    """whether the focus is so close to the surface that nodes are concentrated there"""
 
 
 @cached_njit(error_model="numpy", nogil=True)
