@@ -340,7 +340,9 @@ def with_inertia_of_the_fluid(
     """Choose the inertia of the fluid for a problem whose model of motion is chosen.
 
     Returns the problem with this choice, and the reason for it. The memory of the fluid is a sum of
-    exponentials; `memory` returns their number (poles) for a problem, and the reason. Raises `SceneError` if the scene names a memory that cannot be followed.
+    exponentials; `memory` returns their number (poles) for a problem, and the reason.
+
+    Raises `SceneError` if the scene names a memory that cannot be followed.
     """
     medium = problem.scene.medium
     missing = without_memory(problem, THERMAL if problem.scene.forces.brownian else DETERMINISTIC)

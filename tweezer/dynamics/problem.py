@@ -152,7 +152,9 @@ class Problem:
     def mobility(self) -> Array:
         """Mobilities along N1, N2, N3 (s/kg) and about them (1/(N m s)) at the start, (6,).
 
-        N1, N2 and N3 are the axes of the laboratory, and N3 is normal to the walls. Raises `SceneError` if the drag does not dissipate energy in every motion.
+        N1, N2 and N3 are the axes of the laboratory, and N3 is normal to the walls.
+
+        Raises `SceneError` if the drag does not dissipate energy in every motion.
         """
         value = self._resisted(np.array([self.scene.start_position]))
         parallel, _, turn, _, coupling = value[0].tolist()
