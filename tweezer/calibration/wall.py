@@ -50,8 +50,8 @@ class Height:
             raise ResultError(f"{name}: wall = {wall!r}: {error}") from None
         if distance < radius + CLOSEST:
             raise ResultError(
-                f"{name}: wall = {distance:g}: must be more than the bead's radius, {radius:g} m, "
-                "by the size of an atom: it is the distance of its centre"
+                f"{name}: wall = {distance:g}: must exceed the bead's radius, {radius:g} m, by the "
+                "size of an atom, because it is the distance of the bead's centre"
             )
         if not 0 <= uncertainty <= _UNSURE * (distance - radius):
             raise ResultError(

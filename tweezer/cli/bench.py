@@ -38,7 +38,8 @@ def _add_benchmark(name: str, report_name: str, told: str) -> None:
     @bench.command(name, help=told)
     def measured(
         quick: Annotated[
-            bool, typer.Option("--quick", help="Reduced amounts, to test that it runs.")
+            bool,
+            typer.Option("--quick", help="Run a short version, to test that the benchmark works."),
         ] = False,
         out: JsonFile = None,
         plot: FigureFile = None,

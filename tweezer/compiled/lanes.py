@@ -253,7 +253,7 @@ def chosen(typing: Any, which: Any, some: Any, others: Any) -> Any:  # noqa: ARG
     typing : Context
         Typing context of numba.
     which : types.Type
-        Words: nonzero for a number of `some`, 0 for one of `others`.
+        One word a lane: nonzero selects the number of `some`, 0 the number of `others`.
     some, others : types.Type
         The numbers.
     """

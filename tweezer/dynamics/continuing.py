@@ -141,7 +141,7 @@ def continued(scene: Scene, attributes: Mapping[str, Any], times: Array) -> tupl
     Parameters
     ----------
     scene : Scene
-        Scene to go on with; its duration is added.
+        Scene of the continued run; its duration is added.
     attributes : Mapping
         Attributes of the earlier run.
     times : ndarray, shape (n,)

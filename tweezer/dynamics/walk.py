@@ -279,7 +279,7 @@ class Walk:
         trajectories : ndarray of int, shape (n,)
             Numbers of the trajectories.
         sample : int
-            Number of the sample at which the states are.
+            Index of the sample that `states` belongs to.
         out : ndarray, shape (n, s, len(columns))
             Array to fill with the samples after `sample`; NaN once a bead is lost.
 
@@ -326,7 +326,7 @@ class Walk:
         trajectories : ndarray of int, shape (n,)
             Numbers of the trajectories.
         sample : int
-            Number of the sample at which the states are.
+            Index of the sample that `states` belongs to.
         out : ndarray, shape (n, s, len(columns))
             Array to fill with the samples after `sample`.
         """

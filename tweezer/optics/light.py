@@ -160,7 +160,7 @@ class LightForce(Force):
         return error_by(self.certain(), positions, field, time)
 
     def allowed_error(self, force: Array) -> Array:
-        """Return the largest error within the scene's tolerance of a force (n, 3) N, (n,) N."""
+        """Return the largest error that the scene allows for a force (n, 3), N; (n,) N."""
         return np.full(len(force), np.inf)
 
     def of_radius(self, radius: float) -> LightForce:

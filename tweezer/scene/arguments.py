@@ -145,7 +145,7 @@ def check_ensemble(
             f"workers = {workers}: cannot be combined with a scheduler; omit one of them"
         )
     if scheduler is not None and out is None:
-        raise SceneError("out: missing; the workers of a scheduler write there")
+        raise SceneError("out: required with a scheduler, whose workers write to it")
     if out is not None and Path(out).suffix != (suffix := ".nc" if statistics else ".zarr"):
         raise ResultError(f"{out}: must end in {suffix}")
 

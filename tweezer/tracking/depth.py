@@ -420,7 +420,7 @@ class _Likelihood:
             range_ = radii if radii <= TABLE_RADII[1] else f"{reach:.12g} m"
             scene = scene.replace(optics={"evaluator": "map", "table_range": range_})
         if not scene.plain:
-            raise SceneError("beam: the depth is fitted for one beam at rest, from below")
+            raise SceneError("beam: a depth is fitted only with one fixed beam from below")
         self._light = light_of_one_beam(scene)
         self._problem = bound_once(scene)
         self._kT = Boltzmann * scene.medium.temperature

@@ -327,7 +327,7 @@ class Profile:
             self._add(z, self._sought(z))
 
     def jumps(self, near: float) -> NDArray[np.bool_]:
-        """Return which neighbours have a jump and a misfit within `near`, (places - 1,)."""
+        """Return between which neighbours the misfit jumps and is within `near`, (places - 1,)."""
         lower = np.minimum(self.values[1:], self.values[:-1]) - self.values.min()
         return (np.abs(np.diff(self.values)) > JUMP) & (lower <= near)
 

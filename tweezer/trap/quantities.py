@@ -49,7 +49,7 @@ QUANTITIES = (
 
 
 def gradient_of_errors(scene: Scene) -> float:
-    """Return the largest gradient of a force error, over the error itself, 1/m.
+    """Return the largest gradient of a force error divided by this error, 1/m.
 
     With wave optics of wavenumber k, the force and its error contain wavenumbers up to 2k. The
     gradient is therefore at most 2k times the largest value (S. Bernstein's inequality). Ray optics

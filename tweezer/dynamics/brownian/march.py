@@ -118,7 +118,7 @@ def advance(
     states : ndarray, shape (n, layout.width)
         States, a row for each bead.
     sample : int
-        Number of the sample at which the states are.
+        Index of the sample that `states` belongs to.
     out : ndarray, shape (n, samples, columns)
         Filled with the samples after that one.
 

@@ -54,7 +54,7 @@ class Waves(Light):
 
     @property
     def odd(self) -> bool:
-        """Whether integrands over the cone are odd in sin(theta), beside the light's amplitude.
+        """Whether integrands over the cone are odd in sin(theta), apart from the light's amplitude.
 
         Bessel functions and harmonics give the parity of helicity + J_z of a part of the light.
         """
