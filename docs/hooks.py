@@ -50,6 +50,23 @@ ELSEWHERE = ("CHANGELOG.md", "CONTRIBUTING.md", "derivation/README.md", *NOTEBOO
 
 _log = logging.getLogger("mkdocs.hooks.tweezer")  # a warning fails a strict build
 
+#: pages of the commands, beside the list of all: title and commands
+COMMANDS = {
+    "commands-runs.md": ("Commands for runs and traps", "new scenes run view trap tune"),
+    "commands-series.md": ("Commands for ensembles and sweeps", "ensemble sweep compare"),
+    "commands-recordings.md": ("Commands for recordings", "examples calibrate fit fit-depth"),
+    "commands-machine.md": (
+        "Commands for caches and checks", "reproduce map warmup info cache bench"
+    ),
+}  # fmt: skip
+#: pages of the keys of a scene: title and sections
+KEYS = {
+    "scenes.md": ("Scene files", "bead medium lens beam"),
+    "scenes-motion.md": (
+        "Scene files: motion and computation", "start wall forces camera optics simulation"
+    ),
+}  # fmt: skip
+
 #: pages that are made from a source; links of docs/ lead to what the repository has
 MADE = {
     "tweezer/scene/scene.py": "scenes.md", "tweezer/cli/": "commands.md",
@@ -117,10 +134,8 @@ def on_files(files: Files, config: MkDocsConfig) -> None:
     plays = [sys.executable, str(ROOT / "docs/plays.py"), str(Path(config.site_dir, PLAYS))]
     names = os.environ.get("TWEEZER_PLAYS", " ".join(path.stem for path in SCENES)).split()
     config.extra["plays"] = subprocess.Popen([*plays, *names], cwd=ROOT)
-    for uri, text in (
-        ("gallery.md", gallery()), ("scenes.md", scene_reference()),
-        ("commands.md", command_reference()),
-    ):  # fmt: skip
+    made = {"gallery.md": gallery(), **scene_reference(), **command_reference()}
+    for uri, text in made.items():
         files.append(File.generated(config, uri, content=text))
 
 
@@ -130,6 +145,8 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     Links out of and into docs/ lead to pages of the site, and the index of the API lists its names.
     """
     page.meta["search"] = {"boost": SEARCHED.get(page.ancestors[-1].title, 1)}
+    if page.file.src_uri in NOTEBOOKS:  # wider, so that they are not so long
+        page.meta["hide"] = ["navigation"]
     if page.file.src_uri in ELSEWHERE:
         return markdown.replace("](docs/", "](")
     if page.file.src_uri == "api/index.md":
@@ -315,40 +332,64 @@ def with_names(index: str) -> str:
     return re.sub(r"^## \[.*\]\((\w+\.md)\)$", names, index, flags=re.MULTILINE)
 
 
-def command_reference() -> str:
-    """Every command with its options, as Typer tells them."""
+def command_reference() -> dict[str, str]:
+    """Return pages with each command and its options, from Typer, by their names."""
     module = [sys.executable, "-m", "typer", "tweezer.cli", "utils", "docs", "--name", "tweezer"]
-    told = subprocess.run(module, check=True, capture_output=True, text=True, cwd=ROOT).stdout
-    return told.replace("# `tweezer`", "# Command line", 1)
+    printed = subprocess.run(module, check=True, capture_output=True, text=True, cwd=ROOT).stdout
+    overview, *commands = re.split(r"^(?=## )", printed, flags=re.MULTILINE)
+    by_name = {re.search(r"tweezer ([\w-]+)", text)[1]: text for text in commands}
+    overview = overview.replace("# `tweezer`", "# Command line", 1)
+    pages = {}
+    for uri, (title, names) in COMMANDS.items():
+        pages[uri] = f"# {title}\n\n" + "".join(by_name.pop(name) for name in names.split())
+        for name in names.split():
+            overview = overview.replace(f"* `{name}`", f"* [`{name}`]({uri}#tweezer-{name})")
+    if by_name:
+        _log.warning("no page describes these commands: %s", ", ".join(by_name))
+    return {"commands.md": overview, **pages}
 
 
-def scene_reference() -> str:
-    """Every key of a scene: unit, what is allowed, default, what it is; from the schema."""
+def scene_reference() -> dict[str, str]:
+    """Return pages with each key of a scene, from the schema, by their names.
+
+    A key has its unit, the allowed values, the default and its meaning.
+    """
     schema = Scene.model_json_schema()
-    lines = [
-        "# Scene files",
-        "",
-        "A scene is a TOML file with these sections and keys; `tweezer scenes` prints where the "
-        "shipped ones are. Where a unit is named, a value is a number in that unit or text with "
-        'any unit convertible to it, such as `"500 nm"`. A key without a default must be given. '
-        "This page is made from the schema that reads the files.",
-        "",
-        "## At the top",
-        "",
-        *_rows("", {key: of for key, of in schema["properties"].items() if not _section_of(of)},
-               schema["required"]),
+    top = {key: of for key, of in schema["properties"].items() if not _section_of(of)}
+    tables = {
+        name: _section_tables(name, schema["$defs"][_section_of(of)], schema["$defs"])
+        for name, of in schema["properties"].items() if name not in top
+    }  # fmt: skip
+    introduction = [
+        "A scene is a TOML file with sections and keys. `tweezer scenes` prints the paths of the "
+        "shipped scenes. A value is a number in the named unit, or text with any unit convertible "
+        'to it, such as `"500 nm"`. A key without a default is required. This page is made from '
+        "the schema that reads the files.", "",
+        *(f"- {', '.join(f'`[{name}]`' for name in names.split())}: [{title}]({uri})"
+          for uri, (title, names) in KEYS.items()),
+        "", "## At the top", "", *_rows("", top, schema["required"]),
     ]  # fmt: skip
-    for name, of in schema["properties"].items():
-        if within := _section_of(of):
-            section = schema["$defs"][within]
-            lines += _table(f"[{name}]", name, section)
-            for key, nested in section["properties"].items():
-                named = f"{name}.{key}"
-                if within := _section_of(nested):
-                    lines += _table(f"[{named}]", named, schema["$defs"][within])
-                elif within := _section_of(_given(nested)[0].get("items", {})):
-                    lines += _table(f"[[{named}]]", named, schema["$defs"][within])
-    return "\n".join(lines) + "\n"
+    pages = {}
+    for uri, (title, names) in KEYS.items():
+        lines = [f"# {title}", "", *(introduction if uri == "scenes.md" else [])]
+        for name in names.split():
+            lines += tables.pop(name)
+        pages[uri] = "\n".join(lines) + "\n"
+    if tables:
+        _log.warning("no page describes these sections: %s", ", ".join(tables))
+    return pages
+
+
+def _section_tables(name: str, section: dict[str, Any], definitions: dict[str, Any]) -> list[str]:
+    """Return the tables of a section and of the sections within it."""
+    lines = _table(f"[{name}]", name, section)
+    for key, nested in section["properties"].items():
+        named = f"{name}.{key}"
+        if within := _section_of(nested):
+            lines += _table(f"[{named}]", named, definitions[within])
+        elif within := _section_of(_given(nested)[0].get("items", {})):
+            lines += _table(f"[[{named}]]", named, definitions[within])
+    return lines
 
 
 def _table(heading: str, name: str, section: dict[str, Any]) -> list[str]:

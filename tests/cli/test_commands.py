@@ -684,7 +684,7 @@ def test_a_reader_that_leaves_costs_no_file(tmp_path):
      (["sweep", "silica-1um", "--over", "beam.power=1mW,2mW", "--of", "calibrate",
        "--trajectories", "5"], "trajectories: applies to sweeps of ensemble, not of calibrate"),
      (["trap", "silica-1um", "--heights", "1 um", "30 um", "--count", "1"],
-      "--count 1: must be 2 or more, from 1 um to 30 um"),
+      "--count 1: heights from 1 um to 30 um require 2 or more"),
      (["run", "silica-1um", "--set", "beam.power=1mW", "--set", "beam.power = 2mW"],
       "--set 'beam.power = 2mW': beam.power is set twice"),
      (["run", "silica-1um", "--duration", "1 ms", "--set", "simulation.duration=2ms"],

@@ -44,8 +44,8 @@ def test_sound_file_is_read(compressed):
         (NUMBERS, (14,), "an element has the code 14"),
         (NUMBERS, (8,), "an element has the code 8"),
         (NUMBERS, (9, 2**31), "an element is longer than its place"),
-        (FLAGS, (0x806,), "an array has 4 parts, and must have 5"),  # complex, but real
-        (FLAGS, (0x5,), "an array has 4 parts, and must have 6"),  # sparse, but full
+        (FLAGS, (0x806,), "an array has 4 parts; must have at least 5"),  # complex, but real
+        (FLAGS, (0x5,), "an array has 4 parts; must have at least 6"),  # sparse, but full
         (FLAGS - 8, (9,), "an array has no flags"),
     ],
 )

@@ -86,7 +86,7 @@ def calibrate(
     displaced_mass : float or str, optional
         Mass of the displaced fluid, kg, for hydrodynamic memory (`TrappedBead`). Requires `mass`.
     wall : float, str or pair, optional
-        Distance of the bead centre from a wall across the light, m, or with its standard
+        Distance of the bead centre from a wall normal to the light, m, or with its standard
         uncertainty "1.2 um +- 50 nm". Requires `radius`. `drag` is then the drag far from the wall;
         the exact mobilities along and across the wall apply to x and y, and to z. An uncertain
         height gives an uncertain drag, which is one more datum of the spectral fit. With fluid

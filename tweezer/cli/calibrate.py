@@ -84,8 +84,8 @@ FluidDensity = Annotated[
 Wall = Annotated[
     str | None,
     typer.Option(
-        help='Distance of the bead\'s centre from a wall across the light, e.g. "1.2 um" or '
-        '"1.2 um +- 50 nm". Requires --radius.',
+        help='Distance of the bead\'s centre from a wall normal to the light, e.g. "1.2 um" '
+        'or "1.2 um +- 50 nm". Requires --radius.',
         metavar="HEIGHT",
     ),
 ]

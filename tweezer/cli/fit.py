@@ -61,7 +61,7 @@ def fit(
     scene: Annotated[
         str | None,
         typer.Option(
-            help="Shipped scene or TOML file with initial values. Default: the scene of a run.",
+            help="Shipped scene or TOML file with initial values. Default: the scene of the run.",
             metavar="SCENE",
             autocompletion=complete_scene,
         ),

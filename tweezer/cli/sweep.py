@@ -77,7 +77,7 @@ def sweep(
         int | None, typer.Option(help="Number of processes. Default: one per core.")
     ] = None,
     scheduler: Annotated[
-        str | None, typer.Option(help="Address of a Dask scheduler, whose workers compute.")
+        str | None, typer.Option(help="Address of a Dask scheduler whose workers compute.")
     ] = None,
     trajectories: Annotated[
         int | None, typer.Option(help="Trajectories of each ensemble. Default: 100.")

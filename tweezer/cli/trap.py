@@ -129,7 +129,7 @@ def _trap_over(
 
     low, high = (quantity_in("--heights", text, PositiveLength) for text in ends)
     if count == 1 and low != high:
-        raise SceneError(f"--count 1: must be 2 or more, from {ends[0]} to {ends[1]}")
+        raise SceneError(f"--count 1: heights from {ends[0]} to {ends[1]} require 2 or more")
     step = (high - low) / max(count - 1, 1)
     warn_of_rays(scene)
     with (

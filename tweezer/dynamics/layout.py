@@ -142,7 +142,7 @@ class Layout:
         return dict(zip(self.blocks, ends, strict=False))
 
     def at(self, name: str, body: int = 0) -> slice:
-        """Return the columns of a block of a body in the state of a copy.
+        """Return the columns of the block `name` of a body in the state of a trajectory.
 
         For `body` 0 these are the columns in the row of any body.
         """

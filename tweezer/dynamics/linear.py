@@ -69,7 +69,7 @@ class LinearMotion:
     def spiral_rate(self, stiffness: Array, mobility: Array) -> float:
         """Return the rate at which a displaced bead that is pulled back leaves the place, 1/s.
 
-        stiffness: K, (3, 3) N/m, the real parts of whose eigenvalues are positive. mobility: of
+        stiffness: K, (3, 3) N/m; its eigenvalues have positive real parts. mobility: of
         translation along the axes, (3,) s/kg. Returns 0 where every displacement decays.
         """
         rates = mobility[:, None] * stiffness

@@ -43,7 +43,7 @@ class BesideWall(Drag):
 
     @property
     def walls(self) -> Walls:
-        """Planes beside the bead, for schemes of thermal motion; this drag describes them."""
+        """Walls of this drag, as planes, for the schemes of thermal motion."""
         return self
 
     def compiled(self) -> tuple[Kernel, Data]:

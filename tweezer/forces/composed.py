@@ -299,7 +299,7 @@ def _course_at(data, first, time, out):  # type: ignore[no-untyped-def]
 
 @dataclass(frozen=True)
 class Moved(Force):
-    """A force whose origin and strength are functions of time; it may also be upside down."""
+    """A force whose origin and strength are functions of time; it may also be mirrored in z."""
 
     force: Force
     """the force at rest"""

@@ -79,4 +79,4 @@ def _check(elements: memoryview, order: str, most_bytes: int, depth: int) -> Non
         at = end if code == _COMPRESSED else -(-end // _TAG) * _TAG
         count += 1
     if count < fewest:
-        raise ValueError(f"an array has {count} parts, and must have {fewest}")
+        raise ValueError(f"an array has {count} parts; must have at least {fewest}")

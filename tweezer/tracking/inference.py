@@ -222,7 +222,7 @@ def _loaded(recordings: Any) -> list[Recording]:
         for each in (recordings if several else [recordings])
     ]
     if not loaded:
-        raise ResultError("recordings: must be one or more")
+        raise ResultError("recordings: none is given; give one or more")
     for each in loaded:
         if each.unit != "m":
             raise ResultError(

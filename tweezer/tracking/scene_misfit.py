@@ -125,7 +125,7 @@ class FreeKey:
 
 
 class Least(NamedTuple):
-    """Minimum of the misfit over the places of n keys."""
+    """Minimum of the misfit over the values of n keys."""
 
     at: Array
     """(n,) place q of each key (`FreeKey`)"""

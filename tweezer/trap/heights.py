@@ -105,7 +105,7 @@ def checked_heights(heights: QuantitiesLike) -> Array:
     """Return `heights` as an array (n,), m; raise `SceneError` if any is not a valid height."""
     given = numbers_in_si("heights", heights, "m", SceneError)
     if given.ndim != 1 or not given.size:
-        raise SceneError(f"heights: must be a list, not of shape {given.shape}")
+        raise SceneError(f"heights: has the shape {given.shape}; must be a list of numbers")
     for height in given[~((given > 0) & (given <= _HIGHEST))]:
         raise SceneError(f"heights: {height:g} m: must be above 0, and at most {_HIGHEST:g} m")
     return given

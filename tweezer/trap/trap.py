@@ -177,7 +177,7 @@ class Trap(Comparable, Result):
     def stiffness(self) -> Array:
         """Stiffness matrix -dF_i/dx_j at `equilibrium`, (3, 3) N/m.
 
-        Raises `TweezerError` without an equilibrium.
+        Raises `TweezerError` if there is no equilibrium.
         """
         return self._equilibrium().stiffness
 
@@ -185,7 +185,7 @@ class Trap(Comparable, Result):
     def stiffness_xyz(self) -> Array:
         """Stiffness along x, y and z at `equilibrium`, (3,) N/m.
 
-        Raises `TweezerError` without an equilibrium.
+        Raises `TweezerError` if there is no equilibrium.
         """
         return self._equilibrium().stiffness_xyz
 

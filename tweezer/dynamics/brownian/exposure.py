@@ -31,10 +31,10 @@ def expose(  # type: ignore[no-untyped-def]
 ):
     """Fill `means` (n, frames, 3), m, with mean positions over exposures that end in some steps.
 
-    Before, `first` steps of length `step` (s) were taken. `places` (n, m + 1, 3) contains the
-    positions (m) after them and after each of the next m steps. Exposures begin at `opens` and end
-    at `closes`, (frames,) s; the first frame is not complete after `first` steps. `diffusion` is
-    (n or 1, m or 1, 3), m^2/s, and `numbers` (n, ROWS, frames) are normal. `held` (n, HELD),
+    Before this call, `first` steps of length `step` (s) were taken. `places` (n, m + 1, 3) contains
+    the positions (m) after them and after each of the next m steps. Exposures begin at `opens` and
+    end at `closes`, (frames,) s; the first frame is not complete after `first` steps. `diffusion`
+    is (n or 1, m or 1, 3), m^2/s, and `numbers` (n, ROWS, frames) are normal. `held` (n, HELD),
     updated in place, contains the integrals of x, y, z (m s), and their variances, for the frame
     that is being exposed.
     """

@@ -157,8 +157,9 @@ class Nodes:
         if error > _LARGEST_ERROR and variable.of_angle:
             cause = "beam.profile" if self.focus.face is None else "lens.cover.depth"
             raise SceneError(
-                f"{cause}: the light behind the lens is too uneven for waves; a series of degree "
-                f"{_MOST_USED} misses it by {error:.2g} of its peak, allowed: {_LARGEST_ERROR:g}"
+                f"{cause}: the light behind the lens is too uneven for wave optics; a series of "
+                f"degree {_MOST_USED} differs by {error:.2g} of its peak, allowed: "
+                f"{_LARGEST_ERROR:g}"
             )
         # those of high degree are rounding
         least = max(0.1 * error, 2 * float(tail[_MOST_USED]))

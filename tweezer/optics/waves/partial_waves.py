@@ -105,7 +105,7 @@ def bessel_functions(source, rule, rho, bessel, norm):  # type: ignore[no-untype
     arbitrary value there (Miller). `norm` is filled with the factor that this leaves, from
     J_0 + 2 (J_2 + J_4 + ...) = 1. `rule` is the number of a rule of `source`, and `rho` is the
     bead's distance from the axis (m). Both arrays are flattened, with a padded number of nodes.
-    Returns the largest order that counts.
+    Returns the largest order that contributes.
     """
     padded = int(source.rules[rule, PADDED])
     first = int(source.rules[rule, FIRST_NODE])
