@@ -42,7 +42,7 @@ def tables(results: Results) -> list[list[list[str]]]:
 
 @style.styled
 def figure(results: Results) -> Figure:
-    """Cases that were done at each kill."""
+    """Draw the cases that were done at each kill."""
     drawn = style.new(style.COLUMN, 2.3)
     axes = drawn.subplots()
     done = results["killed"]["cases_done_at_each"]
@@ -62,7 +62,7 @@ def block(results: Results) -> str:
         f"{whole['wall_s']:.0f} s with {results['processes']} processes, including their start, "
         f"and {whole['cpu_s']:.0f} s of processor time. After {killed['kills']} kills by SIGKILL "
         f"and resumptions, the store has {same} without them. Two Dask workers are "
-        f"{dask['speed_up']:.2f} times as fast as one. The busier worker has "
+        f"{dask['speed_up']:.2f} times as fast as one. The busier one needs "
         f"1/{dask['speed_up_of_processor_time']:.2f} of the processor time of a single worker."
     )
     if dask["load_before"] > BUSY:

@@ -55,16 +55,17 @@ def depth_figure(track: Track, found: DepthFit) -> Figure:
         for axes, values in ((plane, track.positions * per("um")), (residuals, path.residuals)):
             axes.plot(time[out], values[out, k], "x", ms=5, color=style.LIGHT)
     plane.set(xlabel="time (ms)", ylabel="position (µm)")
-    plane.set_title("seen, and as predicted; crosses: outliers")
+    plane.set_title("recorded and predicted; crosses: outliers")
     plane.legend(loc="best", ncols=2)
     for level in (-2, 0, 2):
         residuals.axhline(level, color=style.MUTED, lw=0.6, ls="-" if level == 0 else ":")
     residuals.set(xlabel="time (ms)", ylabel="whitened residual", ylim=(-6, 6))
-    residuals.set_title(f"independent if the model holds: p = {found.p_value:.2g}")
+    residuals.set_title(f"independent if the model applies: p = {found.p_value:.2g}")
     panels["depth"].plot(time, path.predicted[:, 2] * per("um"), **style.AXES["z"].curve)
     panels["depth"].set(xlabel="time (ms)", ylabel="z along the light (µm)")
-    panels["depth"].set_title("the coordinate not seen, as the filter has it")
+    panels["depth"].set_title("z, estimated by the filter")
     _draw_profile(panels["profile"], found)
+    style.add_letters(panels.values())
     style.add_title(figure, f"{found.name} · {found.scene}", found.statement)
     return figure
 

@@ -35,7 +35,9 @@ def ensemble_figure(ensemble: xr.Dataset) -> Figure:
     """
     figure = style.new(style.PAGE, 5.2)
     names = ["x", "y", "z"]
-    axes = figure.subplot_mosaic([["x", "distribution"], ["y", "distribution"], ["z", "left"]])
+    over_time, beside = figure.subfigures(1, 2, squeeze=False)[0]
+    axes = dict(zip(names, over_time.subplots(3, sharex=True), strict=True))
+    axes["distribution"], axes["left"] = beside.subplots(2, height_ratios=(1.7, 1))
     time = ensemble["time"].values * per("ms")
     whole = "position" in ensemble
     course = _of_trajectories(ensemble) if whole else _of_statistics(ensemble)
@@ -48,16 +50,13 @@ def ensemble_figure(ensemble: xr.Dataset) -> Figure:
             time, middle - half, middle + half, color=mark.colour, alpha=0.2, lw=0
         )
         axes[name].set_ylabel(f"{name} (µm)")
-        if name != "z":
-            axes[name].sharex(axes["z"])
-            axes[name].tick_params(labelbottom=False)
     axes["x"].set_title("mean and spread")
     axes["z"].set_xlabel("time (ms)")
     _draw_distribution(axes["distribution"], ensemble)
     axes["left"].step(time, left, where="post", color=style.SPEED.colour)
     axes["left"].set(xlabel="time (ms)", ylabel="beads not lost", ylim=(0, 1.08 * total))
     axes["left"].set_title("escapes")
-    figure.align_ylabels([axes[name] for name in names])
+    over_time.align_ylabels()
     style.add_letters([axes[name] for name in (*names, "distribution", "left")])
     scene = scene_of(ensemble)
     style.add_title(figure, title_of(scene, ensemble.attrs["title"]))

@@ -58,6 +58,8 @@ def fit_figure(found: SceneFit) -> Figure:
         panel.set(xlabel=f"{each.key} ({unit})" if unit else each.key, ylim=(-0.3, 3 * LEVEL))
         if not each.determined:
             panel.set_title("not determined")
+    if len(found.keys) > 1:
+        style.add_letters(panels.flat[: len(found.keys)])
     for panel in panels[:, 0]:
         panel.set_ylabel("misfit above the least")
     style.add_title(figure, found.statement)

@@ -39,7 +39,7 @@ def tuning_figure(tuning: Tuning, name: str) -> Figure:
     )
     scaled, unscaled = style.SERIES[:2]
     off.errorbar(factors, deviations, errors, ecolor=style.MUTED, **scaled.both)
-    off.set(xscale="log", yscale="log", ylabel="off the unscaled bead (µm)")
+    off.set(xscale="log", yscale="log", ylabel="deviation (µm)")
     off.axvline(tuning.epsilon, color=style.MUTED, lw=0.8, ls=":")
     off.annotate(
         "ε", (tuning.epsilon, 0.2), xycoords=("data", "axes fraction"), ha="left", va="top",
@@ -51,6 +51,7 @@ def tuning_figure(tuning: Tuning, name: str) -> Figure:
     work.set(xlabel="scaling factor a₂", ylabel="force calls")
     style.legend_above(work, 2)
     figure.align_ylabels([off, work])
+    style.add_letters([off, work])
     told = f"{per('ms') * tuning.duration:.4g} ms of the scaled model, by {tuning.method}"
     style.add_title(figure, name, told)
     return figure
