@@ -685,7 +685,7 @@ def test_a_chunk_half_written_is_written_again(small, tmp_path):
      ({"statistics": True, "skip": "1 m"}, "skip = '1 m': "),
      ({"statistics": True, "skip": "9.95 ms"}, "must leave at least 2 of the 101 samples"),
      ({"statistics": True, "skip": -1.0}, "skip = -1.0: "),
-     ({"scheduler": "tcp://127.0.0.1:1"}, "out: missing"),
+     ({"scheduler": "tcp://127.0.0.1:1"}, "out: required"),
      ({"scheduler": "tcp://127.0.0.1:1", "workers": 2, "out": "a.zarr"}, "workers = 2: cannot be"),
      ({"trajectories": 10**6}, "trajectories take 2.42 GB, too much for the memory"),
      ({"trajectories": 6 * 10**5, "scene": INERTIAL}, "trajectories take 2.91 GB, too much"),

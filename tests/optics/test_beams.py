@@ -258,7 +258,7 @@ def test_a_scene_as_a_mapping_has_its_beams_in_one_way():
 def test_what_one_beam_is_needed_for_is_refused(tmp_path):
     track = tmp_path / "track.csv"
     track.write_text("t (s),x (m),y (m)\n" + "".join(f"{i * 1e-3},1e-7,0\n" for i in range(20)))
-    with pytest.raises(SceneError, match="fitted for one beam at rest"):
+    with pytest.raises(SceneError, match="only with one fixed beam"):
         tweezer.fit_depth(track, TWO)
     harmonic = ONE.replace(forces={"brownian": True}, simulation={"method": "harmonic"})
     with pytest.raises(SceneError, match="follows a trap at rest"):

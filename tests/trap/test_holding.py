@@ -10,7 +10,7 @@ import tweezer
 from tests.reference import exit_times
 from tweezer.dynamics import bound_once
 from tweezer.trap.exit_time import Grid, Region
-from tweezer.trap.holding import LONGEST, Lifetime, _extrapolated, _field, _log_time
+from tweezer.trap.holding import LONGEST, Lifetime, _extrapolated, _field, _log_escape_time
 
 #: J, s/kg, m
 THERMAL, MOBILITY, RADIUS = 4e-21, 1e8, 1e-6
@@ -38,7 +38,7 @@ def test_spring_in_a_ball(depth):
         mobile = np.full_like(z, MOBILITY)
         return -stiffness * rho, -stiffness * z, mobile, mobile
 
-    log, error = _log_time(Region(RADIUS, 12e-9), field, (0.0, 0.0), THERMAL)
+    log, error = _log_escape_time(Region(RADIUS, 12e-9), field, (0.0, 0.0), THERMAL)
     expected = math.log(exit_times.of_spring(depth, RADIUS, THERMAL * MOBILITY))
     assert abs(log - expected) < max(error, 2e-3)
     assert error < 0.1
@@ -63,7 +63,7 @@ def test_barrier_with_a_mobility_that_changes_along_it(wall):
         return -stiff * rho, along(z), mobility(z), mobility(z)
 
     low = -math.inf if wall is None else wall
-    log, error = _log_time(Region(0.6e-6, 8e-9, low=low), field, (0.0, 0.1e-6), THERMAL)
+    log, error = _log_escape_time(Region(0.6e-6, 8e-9, low=low), field, (0.0, 0.1e-6), THERMAL)
     z = np.linspace(max(low, -0.6e-6), 0.6e-6, 200_001)
     expected = exit_times.along_a_line(
         z, along(z), THERMAL * mobility(z), THERMAL, 0.1e-6, wall=wall is not None
@@ -85,7 +85,7 @@ def test_a_narrow_trap_far_from_the_focus_has_closer_nodes():
         return -4000 * THERMAL / RADIUS**2 * rho, along(z), mobile, mobile
 
     region = Region(1.1e-6, 30e-9)
-    log, error = _log_time(region, field, (0.0, height), THERMAL)
+    log, error = _log_escape_time(region, field, (0.0, height), THERMAL)
     z = np.linspace(-0.1e-6, 1.1e-6, 200_001)
     diffusion = THERMAL * MOBILITY
     expected = exit_times.along_a_line(z, along(z), diffusion, THERMAL, height, wall=True)

@@ -108,7 +108,7 @@ def load_trajectories(
     rate : float or str, optional
         Frame rate, Hz, for frame numbers or rows without times.
     scale : float or str, optional
-        Size of a pixel or a volt, m.
+        Length per pixel or per volt, m.
     bead : str or int, optional
         Bead to read, as its column names it. Default: all beads.
 

@@ -470,7 +470,7 @@ def usable(
 
 
 def best_start(periodogram: Periodogram, positions: Array, given: TrappedBead) -> TrappedBead:
-    """Return the initial bead of a fit, the most probable of a few.
+    """Return the bead from which a fit starts, the most probable of a few.
 
     They are an overdamped and, with a mass, an underdamped bead. Their stiffness and drag follow
     from the variance and correlation time of `positions` (n,), m, or from the spectral peak.

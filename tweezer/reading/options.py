@@ -81,7 +81,7 @@ class Reading:
         rate : float or str, optional
             Sampling rate, Hz.
         scale : float or str, optional
-            Size of a pixel or a volt, m.
+            Length per pixel or per volt, m.
         drive : str, optional
             Heading of the column with the motion of the stage.
         bead : str or int, optional
