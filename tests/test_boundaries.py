@@ -25,3 +25,16 @@ def test_runtime_loads_without_sympy():
         "assert run.attrs['status'] == 'complete'; assert 'derivation' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", program], check=True, cwd=ROOT)
+
+
+def test_a_trap_loads_no_library_that_it_does_not_use():
+    """Each of these takes 50 ms or more to import, which every command would wait for."""
+    program = (
+        "import sys, tweezer, tweezer.cli; tweezer.characterise('silica-1um');"
+        "slow = ('scipy.linalg', 'scipy.stats', 'scipy.optimize', 'matplotlib', 'xarray', 'dask');"
+        "print(*(each for each in slow if each in sys.modules))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], check=True, cwd=ROOT, capture_output=True, text=True
+    )
+    assert done.stdout.strip() == ""

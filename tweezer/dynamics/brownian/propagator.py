@@ -11,7 +11,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import cholesky, expm, solve_continuous_lyapunov
 
 from tweezer.dynamics.brownian import memory
 from tweezer.dynamics.layout import POSITION, ROTATION, TRANSLATION
@@ -182,6 +181,8 @@ def coupled(h: float, tau: Array, rates: Array, diffusion: Array) -> tuple[Array
     diffusion : ndarray, shape (3,)
         Diffusion coefficients, m^2/s.
     """
+    from scipy.linalg import expm
+
     size = float(np.linalg.norm(rates, 2))
     sizes = [size * h]
     if tau[0] > 0:
@@ -213,6 +214,8 @@ def stationary_root(tau: Array, rates: Array, diffusion: Array) -> Array:
     Raises `SceneError` if there is no stationary motion: light that pushes a bead round the axis
     drives it out of a trap whose drag is too weak.
     """
+    from scipy.linalg import solve_continuous_lyapunov
+
     tau_or_none = tau if tau[0] > 0 else tau[:0]
     if np.array_equal(rates, np.diag(np.diag(rates))):
         of_x = np.sqrt(diffusion / np.diag(rates))
@@ -299,6 +302,8 @@ def _root(covariance: Array) -> Array:
     It is the root of the correlation matrix, scaled by the standard deviations: so units do not
     matter.
     """
+    from scipy.linalg import cholesky
+
     spread = np.sqrt(np.diag(covariance))
     correlation = (covariance + covariance.T) / (2 * np.outer(spread, spread))
     root: Array = cholesky(correlation, lower=True) * spread[:, None]
