@@ -50,7 +50,9 @@ ELSEWHERE = ("CHANGELOG.md", "CONTRIBUTING.md", "derivation/README.md", *NOTEBOO
 
 _log = logging.getLogger("mkdocs.hooks.tweezer")  # a warning fails a strict build
 
-#: pages of the commands, beside the list of all: title and commands
+#: page that lists all commands
+INDEX = "commands.md"
+#: pages of the commands: title and commands
 COMMANDS = {
     "commands-runs.md": ("Commands for runs and traps", "new scenes run view trap tune"),
     "commands-series.md": ("Commands for ensembles and sweeps", "ensemble sweep compare"),
@@ -69,7 +71,7 @@ KEYS = {
 
 #: pages that are made from a source; links of docs/ lead to what the repository has
 MADE = {
-    "tweezer/scene/scene.py": "scenes.md", "tweezer/cli/": "commands.md",
+    "tweezer/scene/scene.py": "scenes.md", "tweezer/cli/": INDEX,
     "tweezer/scenes/": "gallery.md",
 }  # fmt: skip
 
@@ -114,10 +116,13 @@ _FIGURE = re.compile(r'<img alt="[^"]*"([^>]*?) src="data:image/png;base64,([^"]
 
 
 def on_config(config: MkDocsConfig) -> None:
-    """List the notebooks under Physics in the navigation."""
-    (physics,) = (tab["Physics"] for tab in config.nav if "Physics" in tab)
-    (section,) = (entry for entry in physics if isinstance(entry, dict) and "Notebooks" in entry)
-    section["Notebooks"] = NOTEBOOKS
+    """List the pages that are made here, and the notebooks, in the navigation."""
+    made = {"Notebooks": NOTEBOOKS, "Scene files": [*KEYS], "Command line": [INDEX, *COMMANDS]}
+    for tab in config.nav:
+        for entries in tab.values():
+            for section in entries:
+                if isinstance(section, dict):
+                    section.update({name: made[name] for name in section if name in made})
 
 
 def on_post_build(config: MkDocsConfig) -> None:
@@ -346,7 +351,7 @@ def command_reference() -> dict[str, str]:
             overview = overview.replace(f"* `{name}`", f"* [`{name}`]({uri}#tweezer-{name})")
     if by_name:
         _log.warning("no page describes these commands: %s", ", ".join(by_name))
-    return {"commands.md": overview, **pages}
+    return {INDEX: overview, **pages}
 
 
 def scene_reference() -> dict[str, str]:

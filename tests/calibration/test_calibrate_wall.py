@@ -176,7 +176,7 @@ def test_a_run_beside_a_wall_has_the_drag_on_its_way():
 @pytest.mark.parametrize(
     ("known", "why"),
     [({"wall": 600e-9, "radius": None}, "wall: requires the bead's radius too"),
-     ({"wall": 400e-9}, "wall = 4e-07: must exceed the bead's radius, 5e-07 m, by the"),
+     ({"wall": 400e-9}, "wall = 4e-07: must exceed the bead's radius, 5e-07 m, by the size"),
      ({"wall": "600 pixels"}, "wall = '600 pixels': has an unknown unit"),
      ({"wall": "1 um +- 20 nm +- 1 nm"}, "must be a height, optionally with its uncertainty"),
      ({"wall": (600e-9, 50e-9)}, "uncertainty must be from 0 to 0.3 of the gap; omit the wall"),

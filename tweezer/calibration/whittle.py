@@ -457,7 +457,8 @@ def usable(
 
     It ends at 20 times the roll-off of the spectrum, above which the bead hardly moves, or at
     the Nyquist frequency if `to_the_end`. It ends earlier where spectral leakage, the power from
-    other frequencies in a finite recording, would change the fit by more than its noise.
+    other frequencies in a finite recording, exceeds the noise of the sum of the ordinates, because
+    leakage correlates the ordinates.
     """
     sampled = start.sampled_spectrum(periodogram.frequencies, periodogram.step)
     leakage = periodogram.expected(start) / sampled - 1

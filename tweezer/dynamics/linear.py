@@ -69,8 +69,9 @@ class LinearMotion:
     def spiral_rate(self, stiffness: Array, mobility: Array) -> float:
         """Return the rate at which a displaced bead that is pulled back leaves the place, 1/s.
 
-        stiffness: K, (3, 3) N/m; its eigenvalues have positive real parts. mobility: of
-        translation along the axes, (3,) s/kg. Returns 0 where every displacement decays.
+        The eigenvalues of `stiffness` K, (3, 3) N/m, have positive real parts. `mobility` (3,)
+        contains the mobilities of translation along the axes, s/kg. Returns 0 where every
+        displacement decays.
         """
         rates = mobility[:, None] * stiffness
         kappa: Complex = np.linalg.eigvals(rates).astype(complex)

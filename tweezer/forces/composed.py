@@ -299,7 +299,7 @@ def _course_at(data, first, time, out):  # type: ignore[no-untyped-def]
 
 @dataclass(frozen=True)
 class Moved(Force):
-    """A force whose origin and strength are functions of time; it may also be mirrored in z."""
+    """A force whose origin and strength are functions of time; it may be turned upside down."""
 
     force: Force
     """the force at rest"""
