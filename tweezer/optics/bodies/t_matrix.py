@@ -1,0 +1,141 @@
+"""The T-matrix of a body: how it scatters each vector spherical wave, and how exact that is.
+
+The modes are outgoing and regular vector spherical waves of degree l, order m and helicity +1 or
+-1, as in the standard file format (T-matrix data format, storage version 1). Fields vary as
+exp(-i omega t). The amplitudes of plane waves that this package calls p_nm are related to those of
+the modes by a = -4 pi i^n p, so that the scattering matrix S = 1 + 2T of the amplitudes p is
+
+    (S - 1)_{n'm',nm} = 2 i^(n-n') T_{n'm',nm}.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.values.arrays import Array
+
+ComplexArray = NDArray[np.complex128]
+Integers = NDArray[np.int64]
+
+
+def modes_up_to(degree: int) -> Integers:
+    """Return the modes of degrees 1 to `degree` in the standard order, (2 degree (degree + 2), 3).
+
+    The columns are l, m and the helicity. The helicity varies fastest, +1 first, then m from -l to
+    l, then l.
+    """
+    rows = [
+        (l, m, helicity)
+        for l in range(1, degree + 1)
+        for m in range(-l, l + 1)
+        for helicity in (1, -1)
+    ]
+    return np.array(rows, np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class TMatrix:
+    """T-matrix of a body about its origin, in the body's frame. `tweezer.t_matrix` returns one."""
+
+    matrix: ComplexArray
+    """(modes, modes) T; rows are scattered modes, columns incident modes"""
+    wavenumber: float
+    """wavenumber k in the medium, 1/m"""
+    refractive_index: float
+    """refractive index of the medium"""
+    radius: float
+    """radius of the sphere about the origin that encloses the body, m"""
+    lossless: bool
+    """whether the body absorbs nothing"""
+    error: float
+    """largest error of an element of S - 1 = 2T, estimated from two truncations"""
+
+    @property
+    def degree(self) -> int:
+        """Largest degree l of the modes."""
+        return round((1 + len(self.matrix) / 2) ** 0.5) - 1
+
+    @functools.cached_property
+    def modes(self) -> Integers:
+        """Degree l, order m and helicity of each mode, (modes, 3); see `modes_up_to`."""
+        return modes_up_to(self.degree)
+
+    @functools.cached_property
+    def change(self) -> ComplexArray:
+        """S - 1, the change of the amplitudes p of the light by the body, (modes, modes)."""
+        phase = 1j ** (self.modes[:, 0] % 4)
+        return 2 * phase.conj()[:, None] * self.matrix * phase[None, :]
+
+    @functools.cached_property
+    def unitarity(self) -> float:
+        """Largest violation of energy conservation.
+
+        For a body that absorbs nothing it is the largest element of S^+ S - 1. For an absorbing
+        body it is the largest eigenvalue of S^+ S - 1, or 0 if none is positive.
+        """
+        change = self.change
+        gain = change + change.conj().T + change.conj().T @ change
+        if self.lossless:
+            return float(np.abs(gain).max())
+        return max(0.0, float(np.linalg.eigvalsh(gain)[-1]))
+
+    @functools.cached_property
+    def reciprocity(self) -> float:
+        """Largest violation of S_{lnm;l'n'm'} = (-1)^(m+m') S_{l'n'-m';ln-m}."""
+        l, m, helicity = self.modes.T
+        # the mode (l, -m) of the same helicity
+        mirrored = 2 * (l * l - 1 + l - m) + (helicity < 0)
+        sign = (-1.0) ** m
+        swapped = sign[:, None] * sign[None, :] * self.change[np.ix_(mirrored, mirrored)].T
+        return float(np.abs(self.change - swapped).max())
+
+    @functools.cached_property
+    def axial(self) -> bool:
+        """Whether the body is one of revolution about z: T couples modes of equal m alone."""
+        m = self.modes[:, 1]
+        return not self.matrix[m[:, None] != m[None, :]].any()
+
+    def cut(self, degree: int) -> TMatrix:
+        """Return this T-matrix without the modes above a degree."""
+        if degree >= self.degree:
+            return self
+        count = 2 * degree * (degree + 2)
+        values = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return TMatrix(**{**values, "matrix": np.ascontiguousarray(self.matrix[:count, :count])})
+
+
+def sphere_t_matrix(
+    a: ComplexArray,
+    b: ComplexArray,
+    wavenumber: float,
+    refractive_index: float,
+    radius: float,
+    *,
+    lossless: bool,
+) -> TMatrix:
+    """Return the T-matrix of a sphere from its Mie coefficients.
+
+    Parameters
+    ----------
+    a, b : ndarray, shape (degree,)
+        Mie coefficients a_n and b_n, n = 1, 2, ...
+    wavenumber : float
+        Wavenumber in the medium, 1/m.
+    refractive_index : float
+        Refractive index of the medium.
+    radius : float
+        Radius, m.
+    lossless : bool
+        Whether the sphere absorbs nothing.
+    """
+    modes = modes_up_to(len(a))
+    n, helicity = modes[:, 0] - 1, modes[:, 2]
+    matrix = np.zeros((len(modes),) * 2, np.complex128)
+    every = np.arange(len(modes))
+    matrix[every, every] = -(a[n] + b[n]) / 2
+    matrix[every, every + helicity] = -(a[n] - b[n]) / 2  # the other helicity is the next mode
+    return TMatrix(matrix, wavenumber, refractive_index, radius, lossless, 0.0)
