@@ -85,13 +85,13 @@ class TMatrix:
 
     @functools.cached_property
     def reciprocity(self) -> float:
-        """Largest violation of S_{lnm;l'n'm'} = (-1)^(m+m') S_{l'n'-m';ln-m}."""
+        """Largest violation of 2 T_{lnm;l'n'm'} = 2 (-1)^(m+m') T_{l'n'-m';ln-m}."""
         l, m, helicity = self.modes.T
         # the mode (l, -m) of the same helicity
         mirrored = 2 * (l * l - 1 + l - m) + (helicity < 0)
         sign = (-1.0) ** m
-        swapped = sign[:, None] * sign[None, :] * self.change[np.ix_(mirrored, mirrored)].T
-        return float(np.abs(self.change - swapped).max())
+        swapped = sign[:, None] * sign[None, :] * self.matrix[np.ix_(mirrored, mirrored)].T
+        return 2 * float(np.abs(self.matrix - swapped).max())
 
     @functools.cached_property
     def axial(self) -> bool:

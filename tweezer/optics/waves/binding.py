@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,6 +80,36 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
     highest = stride - 1
     a, b = (np.pad(each, (0, stride))[: highest - 1] for each in (a, b))
     nodes = Nodes(light.focus, light.odd, small)
+    data = packed(
+        light.strength * _UNIT, light.strength, tolerance, nodes.error * light.strength,
+        of_states(light.states), guarded_elements(np.stack(elements(highest))),
+        _of_sphere(a, b, light.states, stride),
+        *source(light, light.states, nodes, reach, highest, small),
+    )  # fmt: skip
+    return Sums(data, nodes.error, small)
+
+
+def source(
+    light: Waves, states: tuple[State, ...], nodes: Nodes, reach: float, highest: int, small: float
+) -> tuple[Any, ...]:
+    """Return the fields of `partial_waves.Source`, from which amplitudes P_nm are computed.
+
+    Parameters
+    ----------
+    light : Waves
+        Waves of the light; its radius is the one within which the bead stays.
+    states : tuple of State
+        Polarised parts of the light.
+    nodes : Nodes
+        Choice of nodes over the cone.
+    reach : float
+        Largest distance of the bead from the focus, m.
+    highest : int
+        Highest degree, a multiple of `LANES` less one.
+    small : float
+        Error of the sums, as a part of the light's amplitude.
+    """
+    stride = highest + 1
     rules = _rules(light, nodes, reach)
     firsts = np.abs(np.arange(-highest, highest + 1)) // LANES * LANES
     tables = [
@@ -96,7 +127,7 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
         for rule, many, begin, entry in zip(rules, padded, begins, entries, strict=False)
     ])  # fmt: skip
     shift = nodes.shift
-    parts = [part for state in light.states for part in state.parts]
+    parts = [part for state in states for part in state.parts]
     of_nodes = np.concatenate(
         [
             _of_nodes(light.focus, rule, shift, parts, many)
@@ -105,10 +136,7 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
         axis=1,
     )
     half_angle = light.focus.half_angle
-    data = packed(
-        light.strength * _UNIT, light.strength, tolerance, nodes.error * light.strength,
-        _of_states(light.states), guarded_elements(np.stack(elements(highest))),
-        _of_sphere(a, b, light.states, stride),
+    return (
         light.wavenumber, shift, light.radius, half_angle, math.sin(half_angle),
         np.array(nodes.variable.phases), math.sqrt(small), of_rules, of_nodes,
         np.concatenate(tables),
@@ -118,7 +146,6 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
         ]),
         np.cumsum(stride - firsts) - (stride - firsts), highest,
     )  # fmt: skip
-    return Sums(data, nodes.error, small)
 
 
 def _rules(light: Waves, nodes: Nodes, reach: float) -> list[Rule]:
@@ -151,7 +178,7 @@ def _of_nodes(focus: Focus, rule: Rule, shift: float, parts: list[Part], many: i
     return np.pad(np.stack(rows), ((0, 0), (0, many - len(below))))
 
 
-def _of_states(states: tuple[State, ...]) -> Array:
+def of_states(states: tuple[State, ...]) -> Array:
     """Return the polarised states by the columns SHARE to HIGHEST of `kernel`, (states, 7)."""
     rows, begin = [], 0
     for state in states:
