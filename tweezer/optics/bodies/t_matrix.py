@@ -16,8 +16,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.values.arrays import Array
-
 ComplexArray = NDArray[np.complex128]
 Integers = NDArray[np.int64]
 
