@@ -97,8 +97,9 @@ def spheroid_nodes(starts, across, along):  # type: ignore[no-untyped-def]
     """
     out = np.empty((len(starts), 5, 2))
     one = (1.0, 0.0)
-    across_square, along_square = times((across, 0.0), (across, 0.0)), times(
-        (along, 0.0), (along, 0.0)
+    across_square, along_square = (
+        times((across, 0.0), (across, 0.0)),
+        times((along, 0.0), (along, 0.0)),
     )
     a, c = over(one, across_square), over(one, along_square)
     for q in range(len(starts)):
