@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from . import bodies, ray, water, waves
 from . import drag as dg
 from . import euler_parameters as ep
 from . import hydrodynamics as hd
 from . import langevin as lv
 from . import multiscale as ms
-from . import ray, water, waves
 from . import rigid_body as rb
 from . import symbols as sy
 from .lowering import Argument, Function
@@ -721,23 +721,28 @@ def _parts(*names: tuple[Quantity, Quantity]) -> tuple[Argument, ...]:
     return tuple(argument for pair in names for argument in _scalars(pair))
 
 
+#: amplitudes at (n, m) and its neighbours
+_NEIGHBOURS = _parts(
+    *(sy.DOWN_BEFORE, sy.DOWN, sy.DOWN_ABOVE),
+    *(sy.BEFORE, sy.AMPLITUDE, sy.ABOVE),
+    *(sy.UP_BEFORE, sy.UP, sy.UP_ABOVE),
+    *(sy.PARTNER_DOWN, sy.PARTNER, sy.PARTNER_UP),
+)
+_ELEMENTS_UP = (sy.RAISED, sy.TURNED, sy.LOWERED)
+#: elements of the direction s between them
+_ELEMENTS = _scalars(
+    (
+        *(sy.ALONG, sy.ALONG_ABOVE, sy.WITHIN),
+        *(sy.RAISED_DOWN, sy.TURNED_DOWN, sy.LOWERED_DOWN),
+        *_ELEMENTS_UP,
+    )
+)
+_WAVES_OPTIONS = 'cache=True, error_model="numpy", forceinline=True'
+
+
 def _waves() -> Module:
     order = _scalars((sy.DEGREE, sy.ORDER))
-    neighbours = _parts(
-        *(sy.DOWN_BEFORE, sy.DOWN, sy.DOWN_ABOVE),
-        *(sy.BEFORE, sy.AMPLITUDE, sy.ABOVE),
-        *(sy.UP_BEFORE, sy.UP, sy.UP_ABOVE),
-        *(sy.PARTNER_DOWN, sy.PARTNER, sy.PARTNER_UP),
-    )
     weights = _parts(sy.WEIGHT_ABOVE, sy.WEIGHT_BEFORE, sy.WEIGHT_WITHIN)
-    elements_up = (sy.RAISED, sy.TURNED, sy.LOWERED)
-    elements = _scalars(
-        (
-            *(sy.ALONG, sy.ALONG_ABOVE, sy.WITHIN),
-            *(sy.RAISED_DOWN, sy.TURNED_DOWN, sy.LOWERED_DOWN),
-            *elements_up,
-        )
-    )
     jacobian = tuple(f"{i}{j}" for i in "xyz" for j in "xyz")
     return Module(
         "waves",
@@ -788,7 +793,7 @@ def _waves() -> Module:
                     *_parts(sy.AMPLITUDE, sy.ABOVE, sy.PARTNER),
                     *_parts(sy.UP_BEFORE, sy.UP, sy.UP_ABOVE),
                     *weights,
-                    *_scalars((sy.ALONG_ABOVE, sy.WITHIN, *elements_up)),
+                    *_scalars((sy.ALONG_ABOVE, sy.WITHIN, *_ELEMENTS_UP)),
                 ),
                 waves.FORCE,
                 waves.FORCE_PARTS,
@@ -799,7 +804,7 @@ def _waves() -> Module:
                 "What (n, m) of one component adds to the force and to dF_i/d(k r_j), row by row.\n"
                 "Both neighbours of each pair count, so that the summands of the force are not\n"
                 "those of `force_summand`; the sums are.",
-                (*neighbours, *weights, *elements),
+                (*_NEIGHBOURS, *weights, *_ELEMENTS),
                 waves.FORCE_AND_GRADIENT,
                 waves.GRADIENT_PARTS,
                 ("x", "y", "z", *jacobian),
@@ -815,9 +820,9 @@ def _waves() -> Module:
                 "moment_gradient_summand",
                 "What (n, m) of one component adds to dM_i/d(k r_j), row by row.",
                 (
-                    *neighbours,
+                    *_NEIGHBOURS,
                     *_scalars((sy.WEIGHT_OF_TURN, sy.ORDER, sy.LIFT_DOWN, sy.LIFT)),
-                    *elements,
+                    *_ELEMENTS,
                 ),
                 waves.MOMENT_GRADIENT,
                 waves.MOMENT_GRADIENT_PARTS,
@@ -840,7 +845,83 @@ def _waves() -> Module:
             ),
         ),
         ("waves.py",),
-        'cache=True, error_model="numpy", forceinline=True',
+        _WAVES_OPTIONS,
+    )
+
+
+def _bodies() -> Module:
+    turning = _scalars((sy.ORDER, sy.LIFT_DOWN, sy.LIFT))
+    circular = tuple(f"{i}_{part}" for i in ("plus", "minus", "z") for part in ("re", "im"))
+    return Module(
+        "bodies",
+        "The force and torque of light on a body of any shape: what is summed over (n, m).",
+        "The light before and after the body has the amplitudes p and q = S p, about the body's\n"
+        "origin and in its frame; t = q - p and v = p + q. They have two components, electric and\n"
+        "magnetic, each the other's partner. The elements are those of helicity +1. Sums over n,\n"
+        "m and components are forces in units of n_m/c and torques in those of 1/omega, if |p|^2\n"
+        "is a power. If t ends at the degree N, v is needed to N+1. In a name, before and above\n"
+        "are n-1 and n+1, down and up m-1 and m+1.",
+        (),
+        (),
+        (
+            Function(
+                "direction",
+                "s_+ v, s_- v and s_z v at (n, m), from the amplitudes of v about it.",
+                (*_NEIGHBOURS, *_ELEMENTS),
+                bodies.parts(bodies.DIRECTED),
+                output_names=circular,
+            ),
+            Function(
+                "turned",
+                "J_+ v, J_- v and J_z v at (n, m), from the amplitudes of v about it.",
+                (*_parts(sy.DOWN, sy.AMPLITUDE, sy.UP), *turning),
+                bodies.parts(bodies.TURNED),
+                output_names=circular,
+            ),
+            Function(
+                "force_summand",
+                "What (n, m) of one component adds to the force, -Re(t* s_i v).",
+                (*_parts(sy.CHANGE), *_NEIGHBOURS, *_ELEMENTS),
+                bodies.FORCE,
+                bodies.FORCE_PARTS,
+                ("x", "y", "z"),
+            ),
+            Function(
+                "torque_summand",
+                "What (n, m) of one component adds to the torque, -Re(t* J_i v), and to the\n"
+                "absorbed power, -Re(t* v).",
+                (*_parts(sy.CHANGE, sy.DOWN, sy.AMPLITUDE, sy.UP), *turning),
+                bodies.TORQUE,
+                bodies.TORQUE_PARTS,
+                ("x", "y", "z", "absorbed"),
+            ),
+            Function(
+                "generators",
+                "s_x, s_y, s_z, J_x, J_y and J_z on amplitudes, at (n, m).",
+                (*_NEIGHBOURS, *turning, *_ELEMENTS),
+                bodies.parts(bodies.GENERATORS),
+                bodies.GENERATORS_PARTS,
+                tuple(
+                    f"{operator}_{i}_{part}"
+                    for operator in "sJ"
+                    for i in "xyz"
+                    for part in ("re", "im")
+                ),
+            ),
+            Function(
+                "derivative_summand",
+                "What (n, m) of one component adds to the derivatives of force and torque over\n"
+                "k r_j (B = s_j) or over the angle about the body's axis j (B = J_j). Force and\n"
+                "torque are in the body's axes, which turn with it. If t ends at N, the sum goes\n"
+                "to N+1.",
+                _parts(sy.CHANGE_RATE, sy.GENERATED, *sy.GENERATED_P, *sy.GENERATED_T),
+                bodies.DERIVATIVE,
+                bodies.DERIVATIVE_PARTS,
+                ("Fx", "Fy", "Fz", "Mx", "My", "Mz"),
+            ),
+        ),
+        ("bodies.py", "waves.py"),
+        _WAVES_OPTIONS,
     )
 
 
@@ -894,5 +975,6 @@ def catalogue() -> tuple[Module, ...]:
         _hydrodynamics(),
         _ray(),
         _waves(),
+        _bodies(),
         _water(),
     )

@@ -312,6 +312,34 @@ SENT_ON = _complex("G", "U P")
 SENT_BACK = _complex("G_before", "conjugate of U_(n-1), times P")
 TURNED_OVER = _complex("H", "V times the partner")
 
+# Light on a body of any shape: amplitudes without the factor i^m, v = p + q of the light before
+# and after. Components of the direction s and of the angular momentum J on amplitudes.
+CHANGE = _complex("t", "amplitude of t = q - p at (n, m)")
+
+
+def _on_amplitudes(operator: str, of: str, components: str) -> dict[str, tuple[Quantity, Quantity]]:
+    """Components of s or J on the amplitudes `of`, by the component's name."""
+    sign = {"plus": "+", "minus": "-"}
+    return {
+        component: _complex(
+            f"{operator}_{component}{of and '_'}{of}",
+            f"{operator}_{sign.get(component, component)} {of or 'v'} at (n, m)",
+        )
+        for component in components.split()
+    }
+
+
+DIRECTED_V = _on_amplitudes("s", "", "plus minus z")
+TURNED_V = _on_amplitudes("J", "", "plus minus z")
+GENERATED_P, GENERATED_T = (
+    tuple(each for operator in "sJ" for each in _on_amplitudes(operator, of, "x y z").values())
+    for of in "pt"
+)
+GENERATED = _complex("B_p", "B p at (n, m)")
+CHANGE_RATE = _complex("dt", "(S - 1) i B p at (n, m)")
+TWICE_GENERATED = _complex("twice_B_p", "B p at (n, m), twice")
+TWICE_CHANGE_RATE = _complex("twice_dt", "(S - 1) i B p at (n, m), twice")
+
 INDEX_BEFORE_FACE = _quantity("n1", "1", "index before the plane face", positive=True)
 INDEX_BEHIND_FACE = _quantity("n2", "1", "index behind the plane face", positive=True)
 COSINE_BEFORE_FACE = _quantity("cos1", "1", "cosine of the angle before the face", positive=True)

@@ -191,8 +191,8 @@ def pair(quantities: tuple[Quantity, Quantity]) -> Pair:
 Named = tuple[tuple[Quantity, sp.Expr], ...]
 
 
-def _named(*values: tuple[tuple[Quantity, Quantity], Pair]) -> Named:
-    """Names for the parts of complex numbers."""
+def named(*values: tuple[tuple[Quantity, Quantity], Pair]) -> Named:
+    """Return names and expressions for the parts of complex numbers."""
     return tuple(
         chain.from_iterable(((names[0], value.re), (names[1], value.im)) for names, value in values)
     )
@@ -230,7 +230,7 @@ _HALF = sp.Float(0.5)
 # The factor i^m of the amplitudes leaves i: F_x + i F_y = -(sum P* h_-)*, where
 # h_- = i (e1 U* up_above + ...).
 _G, _G_before, _H = pair(sy.SENT_ON), pair(sy.SENT_BACK), pair(sy.TURNED_OVER)
-FORCE_PARTS = _named(
+FORCE_PARTS = named(
     (sy.SENT_ON, U * P),
     (sy.SENT_BACK, U_before.conjugate * P),
     (sy.TURNED_OVER, V * partner),
@@ -287,7 +287,7 @@ def _weighted(component: str) -> Pair:
 
 
 #: s_x P over i/2, s_y P over -1/2, and s_z P twice
-_DIRECTION_PARTS = _named(
+_DIRECTION_PARTS = named(
     *((sy.NEIGHBOURS[key], value) for key, value in _ADDED.items()),
     *((sy.DIRECTED[component], _directed(component)) for component in ("plus", "minus", "z")),
     (sy.DIRECTED["x"], _s["minus"] - _s["plus"]),
@@ -295,13 +295,13 @@ _DIRECTION_PARTS = _named(
     (sy.DIRECTED["twice_z"], 2 * _s["z"]),
 )
 #: h_x over i and h_y over -1
-_LATERAL = _named(
+_LATERAL = named(
     (sy.WEIGHTED["x"], _HALF * _h["minus"] - _HALF * _h["plus"]),
     (sy.WEIGHTED["y"], _HALF * _h["plus"] + _HALF * _h["minus"]),
 )
 GRADIENT_PARTS = (
     *_DIRECTION_PARTS,
-    *_named(
+    *named(
         *((sy.WEIGHTED[component], _weighted(component)) for component in ("plus", "minus", "z"))
     ),
     *_LATERAL,
@@ -335,7 +335,7 @@ MOMENT = sp.Matrix(
 )
 MOMENT_GRADIENT_PARTS = (
     *_DIRECTION_PARTS,
-    *_named(
+    *named(
         (sy.WEIGHTED["plus"], (K * lift_down) * down),
         (sy.WEIGHTED["minus"], (K * lift) * up),
         (sy.WEIGHTED["z"], (K * m) * P),
