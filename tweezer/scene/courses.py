@@ -181,13 +181,18 @@ _COLUMNS = {"motion": ("positions", 3), "modulation": ("factors", 1)}
 def with_tables(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Return the data of a scene with the tables from files that its beams name.
 
-    File names are relative to `folder`. A row of the CSV file has a time, s, and then x, y, z, m,
+    File names are relative to `folder`; the file of a bead's T-matrix is named by its whole path. A
+    row of the CSV file has a time, s, and then x, y, z, m,
     or a factor. The first row may be a heading. Raises `ValueError` for an invalid file.
     """
-    return {
+    found = {
         key: _with_tables_of(key, value, folder) if key.partition("[")[0] == "beam" else value
         for key, value in data.items()
     }
+    bead = found.get("bead")
+    if isinstance(bead, Mapping) and isinstance(bead.get("file"), str):
+        found["bead"] = {**bead, "file": str((folder / bead["file"]).absolute())}
+    return found
 
 
 def _with_tables_of(name: str, beam: Any, folder: Path) -> Any:

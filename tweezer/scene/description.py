@@ -68,7 +68,7 @@ class Description(Section):
     @property
     def body(self) -> Body:
         """The bead as a rigid body."""
-        return self.bead.body
+        return self.bead.turned_body(self.start.orientation)
 
     @property
     def plain(self) -> bool:
@@ -156,10 +156,10 @@ class Description(Section):
     @property
     def turned_by_light(self) -> bool:
         """Whether the light exerts a torque: in ray optics that of the thesis, in wave optics by
-        absorption.
+        absorption, or on a body that is not a sphere.
         """
         if self.theory == "waves":
-            return self.bead.absorbs
+            return self.bead.absorbs or self.bead.shape != "sphere"
         return self.lit and any(beam.torque == "thesis" for beam in self.beams)
 
     @property

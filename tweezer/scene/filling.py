@@ -90,6 +90,12 @@ def _refuse_names_of_indices(data: Mapping[str, Any]) -> None:
 def _of_materials(data: Mapping[str, Any], bead: Mapping[str, Any]) -> dict[str, Any]:
     """Return the data of a bead with the indices and the density of its materials."""
     layers = bead.get("layers")
+    if isinstance(spheres := bead.get("spheres"), list | tuple):
+        bead = {**bead, "spheres": [
+            _with_material(data, {"material": bead.get("material"), **each},
+                           f"bead.spheres.{i}", None) if isinstance(each, dict) else each
+            for i, each in enumerate(spheres)
+        ]}  # fmt: skip
     if layers is None:
         density = getattr(materials().get(str(bead.get("material"))), "density", None)
         return _with_material(data, bead, "bead", density)

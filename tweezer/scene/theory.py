@@ -78,7 +78,7 @@ def chosen_theory(
         return Choice("rays", reason)
     if reason := without["rays"]:
         return Choice("waves", reason)
-    size = largest_wavenumber(medium, beams) * bead.radius
+    size = largest_wavenumber(medium, beams) * bead.body.size
     if size > LARGEST_SIZE:
         return Choice("rays", f"the size parameter k a = {size:.3g} is above {LARGEST_SIZE:g}")
     far = largest_wavenumber(medium, beams) * loss_distance
@@ -128,6 +128,8 @@ def _beyond_waves(optics: Optics, beams: Sequence[Beam]) -> Iterator[str]:
 
 def _beyond_rays(bead: Bead, lens: Lens, beams: Sequence[Beam]) -> Iterator[str]:
     """Yield the settings of a scene to which ray optics does not apply."""
+    if bead.shape != "sphere":
+        yield f"bead.shape = {bead.shape!r}"
     if len(bead.shells) > 1:
         yield f"bead.layers of {len(bead.shells)}"
     if bead.absorbs:

@@ -20,10 +20,18 @@ from tweezer.values.units import to_si
 ALTERNATIVES: dict[str, tuple[tuple[str, str], ...]] = {
     "bead": (("radius", "diameter"),),
     "bead.layers": (("radius", "diameter"),),
+    "bead.spheres": (("radius", "diameter"),),
     "beam": (("power", "power_through_pupil"), ("sigma", "waist")),
 }
 #: Keys that belong to some choices of another key, and are refused with other choices
 BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
+    "bead": {
+        "length": ("shape", ("spheroid",)),
+        "spheres": ("shape", ("spheres",)),
+        "file": ("shape", ("t-matrix",)),
+        "layers": ("shape", ("sphere",)),
+        "radius": ("shape", ("sphere", "spheroid", "t-matrix")),
+    },
     "beam": {
         "sigma": ("profile", ("gaussian", "donut")),
         "profile_radius": ("profile", ("table",)),

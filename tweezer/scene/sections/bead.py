@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import Field, StrictInt, ValidationInfo, field_validator, model_validator
@@ -10,8 +11,19 @@ from pydantic import Field, StrictInt, ValidationInfo, field_validator, model_va
 from tweezer.scene.body import Body
 from tweezer.scene.choices import INERTIAS, told
 from tweezer.scene.courses import refusal
-from tweezer.scene.materials import materials
 from tweezer.scene.sections.alternatives import WITHIN_LAYERS, Filled, with_half
+from tweezer.scene.sections.shapes import (
+    SHAPES,
+    ClusterSpheres,
+    MaterialName,
+    Round,
+    ShapeName,
+    centroid,
+    check_apart,
+    check_keys,
+    enclosing_radius,
+)
+from tweezer.scene.solids import Cluster, Spheroid
 from tweezer.scene.sphere import Sphere
 from tweezer.values.units import (
     BEAD_RADIUS,
@@ -29,24 +41,12 @@ from tweezer.values.units import (
 
 if TYPE_CHECKING:
     InertiaName: TypeAlias = str
-    MaterialName: TypeAlias = str
 else:
     InertiaName = Literal[tuple(INERTIAS)]
-    MaterialName = Literal[tuple(materials())]
 Moments = Annotated[tuple[MomentOfInertia, MomentOfInertia, MomentOfInertia], entries(3)]
 
 
-class _Round(Filled):
-    """Base of a section with a `radius`, for which `diameter` may be given instead."""
-
-    @property
-    def diameter(self) -> float:
-        """Twice the radius, m."""
-        radius: float = vars(self)["radius"]
-        return 2 * radius
-
-
-class Layer(_Round):
+class Layer(Round):
     """A layer of a bead: the core, or a shell about the layer before. `diameter` may replace
     `radius`.
     """
@@ -69,11 +69,21 @@ class Layer(_Round):
 Layers = Annotated[tuple[Layer, ...], entries(1, 20)]
 
 
-class Bead(_Round):
-    """The sphere. `diameter` may be given in place of `radius`, `material` in place of density and
+class Bead(Round):
+    """The bead. `diameter` may be given in place of `radius`, `material` in place of density and
     index, and `layers` in place of radius and index.
     """
 
+    shape: ShapeName = Field("sphere", description=told(SHAPES.values()))
+    length: PositiveLength | None = Field(None, description="length of a spheroid along its axis")
+    spheres: ClusterSpheres | None = Field(
+        None,
+        description="spheres of a rigid cluster; positions of the bead are those of their centre "
+        "of volume",
+    )
+    file: str | None = Field(
+        None, description="T-matrix of the body in the standard format, a file .tmat.h5"
+    )
     layers: Layers | None = Field(
         None,
         description="spheres about one centre, from the core outwards: a coated bead, a hollow one",
@@ -103,6 +113,11 @@ class Bead(_Round):
     @classmethod
     def _size(cls, data: Any) -> Any:
         """Replace a diameter in the data by the radius; refuse size and index beside layers."""
+        if isinstance(data, dict) and data.get("spheres") is not None:
+            for key in ("radius", "diameter"):
+                if data.get(key) is not None:
+                    raise refusal(f"{key} = {data[key]}: cannot be combined with spheres")
+            return data
         if not isinstance(data, dict) or data.get("layers") is None:
             return with_half(data, "radius", "diameter", *BEAD_RADIUS)
         for key in WITHIN_LAYERS:
@@ -115,17 +130,21 @@ class Bead(_Round):
     @field_validator("radius", mode="before")
     @classmethod
     def _outermost(cls, value: Any, info: ValidationInfo) -> Any:
-        """Return the radius of the outermost layer, if there are layers."""
-        layers = info.data.get("layers", ())  # missing from the data if they are not valid
+        """Return the radius of the outermost layer, or the one that encloses a cluster."""
+        spheres = info.data.get("spheres", ())  # missing from the data if they are not valid
+        if spheres is not None:
+            return enclosing_radius(spheres) if spheres else BEAD_RADIUS[0]
+        layers = info.data.get("layers", ())
         if layers is None:
             return value
         return layers[-1].radius if layers else BEAD_RADIUS[0]
 
     @model_validator(mode="after")
-    def _some_index(self) -> Self:
-        """Refuse a bead that has neither layers nor a refractive index."""
-        if self.layers is None and self.refractive_index is None:
-            raise refusal("refractive_index: missing")
+    def _some_shape(self) -> Self:
+        """Refuse keys of another shape, missing keys and spheres that overlap."""
+        check_keys(self.shape, vars(self))
+        if self.spheres is not None:
+            check_apart(self.spheres)
         return self
 
     @model_validator(mode="after")
@@ -140,21 +159,46 @@ class Bead(_Round):
         return self
 
     def _unsaid(self) -> frozenset[str]:
-        """Return the keys omitted when the bead is written, with layers including the radius."""
-        return self.filled if self.layers is None else self.filled | {"radius"}
+        """Return the keys omitted when the bead is written: those that follow from others."""
+        follow = set() if self.layers is None and self.spheres is None else {"radius"}
+        return self.filled | follow | ({"shape"} if self.shape == "sphere" else set())
 
     @property
     def shells(self) -> tuple[tuple[float, complex], ...]:
-        """Outer radius, m, and refractive index of each layer, from the core outwards."""
+        """Outer radius, m, and refractive index of each layer, from the core outwards.
+
+        A cluster has the index of its first sphere, and a T-matrix NaN.
+        """
+        if self.spheres is not None:
+            return ((self.radius, _complex(self.spheres[0].refractive_index)),)
         if self.layers is None:
-            assert self.refractive_index is not None
-            return ((self.radius, _complex(self.refractive_index)),)
+            index = math.nan if self.refractive_index is None else self.refractive_index
+            return ((self.radius, _complex(index)),)
         return tuple((each.radius, _complex(each.refractive_index)) for each in self.layers)
 
     @property
     def body(self) -> Body:
-        """The bead as a rigid body: size, mass, moments of inertia, gap to a plane."""
+        """The bead as a rigid body: size, mass, moments of inertia, gap to a plane.
+
+        A body in a T-matrix file has the size and mass of the sphere that encloses it.
+        """
+        return self.turned_body((1.0, 0.0, 0.0, 0.0))
+
+    def turned_body(self, orientation: tuple[float, ...]) -> Body:
+        """Return the bead as a rigid body with Euler parameters at the start."""
+        if self.length is not None:
+            return Spheroid(self.radius, self.length / 2, self.density, orientation)
+        if self.spheres is not None:
+            radii = [each.radius for each in self.spheres]
+            return Cluster(self.centres, radii, self.density, orientation)
         return Sphere(self.radius, self.density, self.moments_of_inertia)
+
+    @property
+    def centres(self) -> list[tuple[float, float, float]]:
+        """Centres of the spheres of a cluster relative to their centre of volume, m."""
+        spheres = self.spheres or ()
+        a, b, c = centroid(spheres)
+        return [(x - a, y - b, z - c) for x, y, z in (each.position for each in spheres)]
 
     @property
     def index(self) -> complex:
@@ -163,8 +207,10 @@ class Bead(_Round):
 
     @property
     def absorbs(self) -> bool:
-        """Whether light is absorbed anywhere in the bead."""
-        return any(index.imag > 0 for _, index in self.shells)
+        """Whether light is absorbed anywhere in the bead, as far as the scene knows."""
+        indices = [index for _, index in self.shells]
+        indices += [_complex(each.refractive_index) for each in self.spheres or ()]
+        return any(index.imag > 0 for index in indices)
 
     @model_validator(mode="after")
     def _possible_inertia(self) -> Self:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Literal, Self, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
-from pydantic import Field, StrictBool, StrictInt, model_validator
+from pydantic import BeforeValidator, Field, StrictBool, StrictInt, model_validator
+from pydantic_core import PydanticCustomError
 
 from tweezer.scene.choices import METHODS, MODELS, methods, told
 from tweezer.scene.courses import Section, Vector, Velocity, refusal
@@ -32,9 +33,31 @@ else:
     MethodName = Literal[("auto", *METHODS)]
 EulerParameter = Annotated[float, Quantity("", -1e100, 1e100)]
 AngularVelocity = Annotated[tuple[AngularSpeed, AngularSpeed, AngularSpeed], entries(3)]
+
+
+def _euler_parameters(value: Any) -> Any:
+    """Return Euler parameters, those of an axis (3 numbers) turning z to it by the shortest way."""
+    if not isinstance(value, list | tuple) or len(value) != 3:
+        return value
+    try:
+        x, y, z = (float(each) for each in value)
+    except (TypeError, ValueError):
+        return value
+    length = math.hypot(x, y, z)
+    if not 0 < length < math.inf:
+        raise PydanticCustomError("axis", "an axis must have a finite length above 0")
+    x, y, z = x / length, y / length, z / length
+    if z == -1.0:
+        return (0.0, 1.0, 0.0, 0.0)
+    # the sum of z and the axis is halfway between them
+    half = math.hypot(x, y, 1 + z)
+    return (half / 2, -y / half, x / half, 0.0)
+
+
 Orientation = Annotated[
-    tuple[EulerParameter, EulerParameter, EulerParameter, EulerParameter], entries(4)
-]
+    tuple[EulerParameter, EulerParameter, EulerParameter, EulerParameter],
+    entries(4), BeforeValidator(_euler_parameters),
+]  # fmt: skip
 
 
 class Start(Section):
@@ -54,7 +77,8 @@ class Start(Section):
     ball_radius: PositiveLength | None = Field(None, description="radius of the ball")
     velocity: Velocity = Field((0.0, 0.0, 0.0), description="velocity")
     orientation: Orientation = Field(
-        (1.0, 0.0, 0.0, 0.0), description="Euler parameters e0..e3 of any length but 0"
+        (1.0, 0.0, 0.0, 0.0), description="Euler parameters e0..e3 of any length but 0, scalar first, from the body to "
+        "the laboratory; or the direction of the body's z axis, 3 numbers"
     )
     angular_velocity: AngularVelocity = Field(
         (0.0, 0.0, 0.0), description="angular velocity, body frame"

@@ -1,0 +1,142 @@
+"""Shapes of a bead: their keys, and the sphere that encloses each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+
+from pydantic import Field, model_validator
+
+from tweezer.scene.courses import Vector, refusal
+from tweezer.scene.materials import materials
+from tweezer.scene.sections.alternatives import Filled, with_half
+from tweezer.values.units import BEAD_RADIUS, BeadRadius, ComplexIndex, entries
+
+if TYPE_CHECKING:
+    MaterialName: TypeAlias = str
+    ShapeName: TypeAlias = str
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A shape of the bead, with the keys that it requires beyond density and index."""
+
+    name: str
+    about: str
+    """description in a few words"""
+    needs: tuple[str, ...] = ()
+    """keys that it requires and that other shapes refuse"""
+    diameter: bool = True
+    """whether it requires a diameter (or radius); otherwise its other keys give the size"""
+    index: bool = True
+    """whether the bead requires a refractive index of its own"""
+
+
+SHAPES: dict[str, Shape] = {
+    each.name: each
+    for each in (
+        Shape("sphere", "a sphere, homogeneous or in layers"),
+        Shape("spheroid", "an ellipsoid of revolution: `diameter` across its axis, `length` along "
+              "it", ("length",)),
+        Shape("spheres", "a rigid cluster of `spheres`", ("spheres",), diameter=False,
+              index=False),
+        Shape("t-matrix", "any body, by the T-matrix in a `file`; `diameter` encloses it",
+              ("file",), index=False),
+    )
+}  # fmt: skip
+
+if not TYPE_CHECKING:
+    MaterialName = Literal[tuple(materials())]
+    ShapeName = Literal[tuple(SHAPES)]
+
+
+class Round(Filled):
+    """Base of a section with a `radius`, for which `diameter` may be given instead."""
+
+    @property
+    def diameter(self) -> float:
+        """Twice the radius, m."""
+        radius: float = vars(self)["radius"]
+        return 2 * radius
+
+
+class ClusterSphere(Round):
+    """A sphere of a rigid cluster. `diameter` may replace `radius`."""
+
+    radius: BeadRadius = Field(description="radius")
+    material: MaterialName | None = Field(
+        None, description="gives the refractive index at the beam's wavelength, as of the bead"
+    )
+    refractive_index: ComplexIndex = Field(
+        description="refractive index, as of the bead; not needed with a `material`"
+    )
+    position: Vector = Field(description="centre of the sphere in the body's frame")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _size(cls, data: Any) -> Any:
+        """Replace a diameter in the data by the radius."""
+        return with_half(data, "radius", "diameter", *BEAD_RADIUS)
+
+
+ClusterSpheres = Annotated[tuple[ClusterSphere, ...], entries(1, 20)]
+
+
+def check_keys(shape: str, given: Mapping[str, Any]) -> None:
+    """Refuse keys that belong to other shapes, and missing keys of this shape.
+
+    Parameters
+    ----------
+    shape : str
+        Name in `SHAPES`.
+    given : mapping
+        Values of the keys of all shapes, of `layers` and of `refractive_index`.
+    """
+    for other in SHAPES.values():
+        for key in other.needs:
+            if given.get(key) is not None and other.name != shape:
+                raise refusal(
+                    f"{key}: does not apply to shape = {shape!r}; remove it, or set shape to "
+                    f"{other.name}"
+                )
+            if given.get(key) is None and other.name == shape:
+                raise refusal(f"{key}: missing; shape = {shape!r} requires it")
+    if shape != "sphere" and given.get("layers") is not None:
+        raise refusal(f"layers: do not apply to shape = {shape!r}; remove them, or the shape")
+    needs_index = SHAPES[shape].index and given.get("layers") is None
+    if needs_index and given.get("refractive_index") is None:
+        raise refusal("refractive_index: missing")
+
+
+def check_apart(spheres: Sequence[ClusterSphere]) -> None:
+    """Refuse spheres of a cluster that overlap."""
+    for i, one in enumerate(spheres, start=1):
+        for j, other in enumerate(spheres[:i - 1], start=1):
+            apart = math.dist(one.position, other.position)
+            if apart < (one.radius + other.radius) * (1 - 1e-9):
+                raise refusal(
+                    f"spheres: {j} and {i} overlap; their centres are {apart:.4g} m apart and "
+                    f"must be at least {one.radius + other.radius:.4g} m apart"
+                )
+
+
+def enclosing_radius(spheres: Sequence[ClusterSphere]) -> float:
+    """Return the radius of the sphere about the centroid of a cluster that encloses it, m.
+
+    The centroid is the centre of volume of the spheres.
+    """
+    centre = centroid(spheres)
+    return max(math.dist(each.position, centre) + each.radius for each in spheres)
+
+
+def centroid(spheres: Sequence[ClusterSphere]) -> tuple[float, float, float]:
+    """Return the centre of volume of the spheres of a cluster, m."""
+    cubes = [each.radius**3 for each in spheres]
+    whole = sum(cubes)
+    x, y, z = (
+        sum(cube * each.position[i] for cube, each in zip(cubes, spheres, strict=True)) / whole
+        for i in range(3)
+    )
+    return x, y, z

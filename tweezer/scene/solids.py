@@ -1,0 +1,90 @@
+"""Spheroids and clusters of spheres as rigid bodies: mass, inertia and size."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from tweezer.scene.body import Body
+
+
+def _axis(orientation: Any, normal: float, i: int) -> Any:
+    """Return the component along `normal` z of the body's axis `i`, turned by Euler parameters."""
+    w, x, y, z = np.moveaxis(np.asarray(orientation, float), -1, 0)
+    rows = (2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z)
+    return normal * rows[i] / (w * w + x * x + y * y + z * z)
+
+
+class Spheroid(Body):
+    """A homogeneous ellipsoid of revolution about the body's z axis.
+
+    Parameters
+    ----------
+    across, along : float
+        Semi-axes across and along the axis, m.
+    density : float
+        Density, kg/m^3.
+    orientation : tuple of float
+        Euler parameters at the start.
+    """
+
+    def __init__(
+        self, across: float, along: float, density: float, orientation: tuple[float, ...]
+    ):
+        self.size = max(across, along)
+        self.volume = 4 / 3 * math.pi * across**2 * along
+        self.mass = density * self.volume
+        side = self.mass * (across**2 + along**2) / 5
+        self.moments_of_inertia = (side, side, 2 / 5 * self.mass * across**2)
+        self._across, self._along, self._start = across, along, orientation
+
+    def support(self, normal: float = 1.0, orientation: Any = None) -> Any:
+        """Return the distance of the centre from a plane that the body touches; see `Body`."""
+        turned = self._start if orientation is None else orientation
+        tilt = _axis(turned, normal, 2) ** 2
+        return np.sqrt(self._along**2 * tilt + self._across**2 * (1 - tilt))
+
+
+class Cluster(Body):
+    """A rigid cluster of spheres of one density, about its centre of mass.
+
+    Parameters
+    ----------
+    centres : sequence of tuple
+        Centres of the spheres from the centre of mass, m.
+    radii : sequence of float
+        Radii, m.
+    density : float
+        Density, kg/m^3.
+    orientation : tuple of float
+        Euler parameters at the start.
+    """
+
+    def __init__(
+        self,
+        centres: Sequence[tuple[float, float, float]],
+        radii: Sequence[float],
+        density: float,
+        orientation: tuple[float, ...],
+    ):
+        at, r = np.array(centres, float), np.array(radii, float)
+        volumes = 4 / 3 * math.pi * r**3
+        self.size = float((np.linalg.norm(at, axis=1) + r).max())
+        self.volume = float(volumes.sum())
+        self.mass = density * self.volume
+        masses = density * volumes
+        own = 2 / 5 * masses * r**2
+        tensor = (own + masses * (at**2).sum(axis=1)).sum() * np.eye(3)
+        tensor -= np.einsum("k,ki,kj->ij", masses, at, at)
+        a, b, c = np.linalg.eigvalsh(tensor)
+        self.moments_of_inertia = (float(a), float(b), float(c))
+        self._at, self._radii, self._start = at, r, orientation
+
+    def support(self, normal: float = 1.0, orientation: Any = None) -> Any:
+        """Return the distance of the centre from a plane that the body touches; see `Body`."""
+        turned = self._start if orientation is None else orientation
+        z = np.stack([_axis(turned, normal, i) for i in range(3)], axis=-1)
+        return (self._radii - z @ self._at.T).max(axis=-1)
