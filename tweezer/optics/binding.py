@@ -164,7 +164,15 @@ def light_of_one_beam(scene: Scene) -> LightForce:
         from tweezer.optics.rays.light import light_on_bead
 
         return Dark(light_on_bead(scene))
-    force: LightForce = evaluator(scene.optics.evaluator).load(scene.theory)(scene)
+    by = evaluator(scene.optics.evaluator)
+    theory = scene.theory if scene.bead.shape == "sphere" else "bodies"
+    if theory not in by.places:
+        raise SceneError(
+            f"optics.evaluator = {by.name!r}: a body that turns has no force map, because its "
+            "force depends on five or six coordinates and direct sums are as fast; allowed: auto, "
+            "quadrature"
+        )
+    force: LightForce = by.load(theory)(scene)
     if (off := force.light.cone.deviation) > _UNEVEN:
         warn(
             f"beam.profile_intensity: points so uneven that the light used differs from them by "

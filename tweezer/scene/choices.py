@@ -105,7 +105,7 @@ class Evaluator:
     about: str
     places: Mapping[str, str]
     """"module:name" by theory of the function that returns the force of a scene's single beam, a
-    `tweezer.optics.light.LightForce`"""
+    `tweezer.optics.light.LightForce`; "bodies" are waves on a bead that is not a sphere"""
     symmetric: tuple[str, ...] = ()
     """theories in which it requires light that is symmetric about its axis"""
     mapped: bool = False
@@ -189,7 +189,8 @@ EVALUATORS: dict[str, Evaluator] = _by_name(
               {"rays": f"{_OPTICS}.rays.by_grid:by_grid"}, mapped=True),
     Evaluator("quadrature", "the integral over the lens, to `tolerance`; what auto takes",
               {"rays": f"{_OPTICS}.rays.by_quadrature:by_quadrature",
-               "waves": f"{_OPTICS}.waves.by_quadrature:by_quadrature"}, mapped=True),
+               "waves": f"{_OPTICS}.waves.by_quadrature:by_quadrature",
+               "bodies": f"{_OPTICS}.bodies.by_sums:by_sums"}, mapped=True),
     Evaluator("map", "a table of it, to `table_tolerance`",
               {"rays": f"{_OPTICS}.rays.by_map:by_map", "waves": f"{_OPTICS}.waves.by_map:by_map"},
               symmetric=("rays",), mapped=True),

@@ -20,12 +20,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
-from tweezer.compiled import cached_njit, named_njit
+from tweezer.compiled import cache_functions, cached_njit, named_njit
 from tweezer.compiled.lanes import LANES, lanes, spread, store, total
-from tweezer.forces.data import DATA, integers, matrix, number, vector
+from tweezer.forces.data import DATA, Data, integers, matrix, number, vector
 from tweezer.forces.force import KERNEL, Kernel
+from tweezer.generated import bodies
 from tweezer.optics.bodies.rotated import MARGIN, OPTIONS, imaginary_of, length_of, row_of, turn
-from tweezer.optics.bodies._summands import direction
 from tweezer.optics.waves.kernel import (
     BEGIN,
     END,
@@ -46,6 +46,8 @@ from tweezer.optics.waves.partial_waves import (
     source_of,
 )
 
+cache_functions(bodies)
+
 # entries of the data. The first five are numbers: 4 pi^2 n_m P/c (N), n_m P/c (N), the relative
 # tolerance, the error of the force where it vanishes (N), and the error of S - 1 as an operator
 (STRENGTH, OF_ALL, TOLERANCE, FLOOR, UNSURE, STATES, ELEMENTS, DELTA, ALTERNATING, BLOCKS,
@@ -56,9 +58,15 @@ ROWS, ENTRY, VECTORS, LIST = range(4)
 _SIX = 6
 #: Numbers of one bead: force and torque, absorbed power, |p|^2, the 6 x 6 derivative
 FOUND, ABSORBED, FELT = 8 + _SIX * _SIX, 6, 7
-_DERIVATIVE = 8
+DERIVATIVE = 8
 #: Rows of the elements, as in `harmonics.Elements`
 _ALONG, _WITHIN, _RAISED, _TURNED, _LOWERED, _LIFT = range(6)
+
+
+def of_strength(data: Data, ratio: float) -> dict[int, float]:
+    """Return the numbers of a force's data that change with the power, times a ratio."""
+    entries = (STRENGTH, OF_ALL, FLOOR)
+    return {each: ratio * float(data.numbers[data.shapes[each, 0]]) for each in entries}
 
 
 class Body(NamedTuple):
@@ -96,12 +104,8 @@ class Room(NamedTuple):
     """t = (S - 1) p"""
     gathered: Any
     """(2 vectors, rows) amplitudes of a block, real and imaginary"""
-    changes: Any
-    """(6, ...) derivatives dp of p; empty where no derivatives are computed"""
-    answers: Any
-    """(6, ...) (S - 1) dp"""
-    of_v: Any
-    """(6, ...) s v and J v"""
+    of_p: Any
+    """(6, ...) s p and J p; empty where no derivatives are computed"""
     of_t: Any
     """(6, ...) s t and J t"""
 
@@ -129,7 +133,7 @@ def room_for(source, body, derivative):  # type: ignore[no-untyped-def]
         np.empty(nodes), np.empty(2 * nodes), np.empty((2, length)),
         np.empty((2, 8 * stride * stride)), np.zeros((2, length)), np.zeros((2, length)),
         np.zeros((2, length)), np.empty((2 * 2, rows)), np.zeros((six, 2, length)),
-        np.zeros((six, 2, length)), np.zeros((six, 2, length)), np.zeros((six, 2, length)),
+        np.zeros((six, 2, length)),
     )  # fmt: skip
 
 
@@ -214,25 +218,11 @@ def _elements_about(table, size, of, stride):  # type: ignore[no-untyped-def]
 
 
 @named_njit(**OPTIONS)
-def _applied(own, partner, table, size, at, of, stride, imaginary, m):  # type: ignore[no-untyped-def]
-    """Return s_x, s_y, s_z, J_x, J_y and J_z times a field at (n, m), as (re, im), eight n."""
-    n = _neighbours(own, partner, at, stride, imaginary)
-    pr, pi, mr, mi, zr, zi = direction(*n, *_elements_about(table, size, of, stride))
-    lift = lanes(table, _LIFT * size + of)
-    lift_down = lanes(table, _LIFT * size + of - stride)
-    # J_+ v and J_- v at (n, m)
-    jpr, jpi = lift_down * n[2], lift_down * n[3]
-    jmr, jmi = lift * n[14], lift * n[15]
-    return (
-        0.5 * (pr + mr), 0.5 * (pi + mi), 0.5 * (pi - mi), 0.5 * (mr - pr), zr, zi,
-        0.5 * (jpr + jmr), 0.5 * (jpi + jmi), 0.5 * (jpi - jmi), 0.5 * (jmr - jpr),
-        m * n[8], m * n[9],
-    )  # fmt: skip
-
-
-@named_njit(**OPTIONS)
 def wrench_sums(p, t, v, table, degree, highest, found):  # type: ignore[no-untyped-def]
-    """Add -Re<t|A|v> for the six A, -Re<t|v> and |p|^2 to `found`; table: elements."""
+    """Add force, torque, absorbed power and |p|^2 to `found`, from p, t and v = 2p + t.
+
+    `table` are the elements of the direction; see `waves.kernel.Weights`.
+    """
     stride, imaginary = highest + 1, imaginary_of(highest)
     size = (2 * highest + 1) * stride
     x, y, z = spread(0.0), spread(0.0), spread(0.0)
@@ -243,27 +233,27 @@ def wrench_sums(p, t, v, table, degree, highest, found):  # type: ignore[no-unty
         for m in range(-degree, degree + 1):
             row, elements = row_of(m, highest), stride + LANES + (m + highest) * stride
             for block in range(abs(m) // LANES * LANES, degree + 1, LANES):
-                at = row + block
+                at, of = row + block, elements + block
                 re, im = lanes(answer, at), lanes(answer, at + imaginary)
-                f = _applied(
-                    own, partner, table, size, at, elements + block, stride, imaginary, float(m)
+                n = _neighbours(own, partner, at, stride, imaginary)
+                f, g, h = bodies.force_summand(
+                    re, im, *n, *_elements_about(table, size, of, stride)
                 )
-                x = x - (re * f[0] + im * f[1])
-                y = y - (re * f[2] + im * f[3])
-                z = z - (re * f[4] + im * f[5])
-                a = a - (re * f[6] + im * f[7])
-                b = b - (re * f[8] + im * f[9])
-                c = c - (re * f[10] + im * f[11])
-                lost = lost - (re * lanes(own, at) + im * lanes(own, at + imaginary))
-                u, w = lanes(light, at), lanes(light, at + imaginary)
-                felt = felt + (u * u + w * w)
+                x, y, z = x + f, y + g, z + h
+                f, g, h, power = bodies.torque_summand(
+                    re, im, n[2], n[3], n[8], n[9], n[14], n[15], float(m),
+                    lanes(table, _LIFT * size + of - stride), lanes(table, _LIFT * size + of),
+                )  # fmt: skip
+                a, b, c, lost = a + f, b + g, c + h, lost + power
+                re, im = lanes(light, at), lanes(light, at + imaginary)
+                felt = felt + (re * re + im * im)
     for i, value in enumerate((x, y, z, a, b, c, lost, felt)):
         found[i] += total(value)
 
 
 @named_njit(**OPTIONS)
-def _apply_all(field, table, degree, highest, turned, out):  # type: ignore[no-untyped-def]
-    """Fill `out` (6, ...) with s_j and J_j times a field up to a degree; i times, if `turned`."""
+def _generated(field, table, degree, highest, out):  # type: ignore[no-untyped-def]
+    """Fill `out` (6, ...) with s_j and J_j times a field, up to a degree."""
     stride, imaginary = highest + 1, imaginary_of(highest)
     size = (2 * highest + 1) * stride
     for component in range(2):
@@ -271,52 +261,66 @@ def _apply_all(field, table, degree, highest, turned, out):  # type: ignore[no-u
         for m in range(-degree, degree + 1):
             row, elements = row_of(m, highest), stride + LANES + (m + highest) * stride
             for block in range(abs(m) // LANES * LANES, degree + 1, LANES):
-                at = row + block
-                f = _applied(
-                    own, partner, table, size, at, elements + block, stride, imaginary, float(m)
-                )
-                for j in range(_SIX):
-                    re, im = f[2 * j], f[2 * j + 1]
-                    if turned:
-                        store(out[j, component], at, -im)
-                        store(out[j, component], at + imaginary, re)
-                    else:
-                        store(out[j, component], at, re)
-                        store(out[j, component], at + imaginary, im)
+                at, of = row + block, elements + block
+                f = bodies.generators(
+                    *_neighbours(own, partner, at, stride, imaginary), float(m),
+                    lanes(table, _LIFT * size + of - stride), lanes(table, _LIFT * size + of),
+                    *_elements_about(table, size, of, stride),
+                )  # fmt: skip
+                for j, (re, im) in enumerate(
+                    ((f[0], f[1]), (f[2], f[3]), (f[4], f[5]), (f[6], f[7]), (f[8], f[9]),
+                     (f[10], f[11]))
+                ):  # fmt: skip
+                    store(out[j, component], at, re)
+                    store(out[j, component], at + imaginary, im)
 
 
 @named_njit(**OPTIONS)
-def derivative_sums(body, p, t, v, table, highest, room, found):  # type: ignore[no-untyped-def]
-    """Add the derivatives of the six sums over the six motions of the body to `found`.
+def derivative_sums(body, table, highest, room, found):  # type: ignore[no-untyped-def]
+    """Add the derivatives of force and torque over the six motions of the body to `found`.
 
-    They are -Re(<dt|A v> + <A t|2 dp + dt>), by A and motion, over k r and over angles.
+    They are over k r and over angles, about the body's axes, which turn with it.
     """
     degree, imaginary = body.degree, imaginary_of(highest)
-    _apply_all(p, table, degree + 1, highest, True, room.changes)
-    _apply_all(v, table, degree, highest, False, room.of_v)
-    _apply_all(t, table, degree + 1, highest, False, room.of_t)
+    _generated(room.p, table, degree + 1, highest, room.of_p)
+    _generated(room.t, table, degree + 1, highest, room.of_t)
     for j in range(_SIX):
-        scatter(body, room.changes[j], highest, room.gathered, room.answers[j])
-    for i in range(_SIX):
-        for j in range(_SIX):
-            sum_ = spread(0.0)
-            for component in range(2):
-                of_v, of_t = room.of_v[i, component], room.of_t[i, component]
-                change, answer = room.changes[j, component], room.answers[j, component]
-                for m in range(-degree - 1, degree + 2):
-                    row = row_of(m, highest)
-                    for block in range(abs(m) // LANES * LANES, degree + 2, LANES):
-                        at = row + block
-                        re, im = lanes(answer, at), lanes(answer, at + imaginary)
-                        sum_ = sum_ - (
-                            re * lanes(of_v, at) + im * lanes(of_v, at + imaginary)
-                        )
-                        re = re + 2.0 * lanes(change, at)
-                        im = im + 2.0 * lanes(change, at + imaginary)
-                        sum_ = sum_ - (
-                            re * lanes(of_t, at) + im * lanes(of_t, at + imaginary)
-                        )
-            found[_DERIVATIVE + _SIX * i + j] += total(sum_)
+        scatter(body, room.of_p[j], highest, room.gathered, room.t)
+        sums = (spread(0.0), spread(0.0), spread(0.0), spread(0.0), spread(0.0), spread(0.0))
+        for component in range(2):
+            answer, moved = room.t[component], room.of_p[j, component]
+            p0, p1, p2 = (
+                room.of_p[0, component], room.of_p[1, component], room.of_p[2, component]
+            )  # fmt: skip
+            p3, p4, p5 = (
+                room.of_p[3, component], room.of_p[4, component], room.of_p[5, component]
+            )  # fmt: skip
+            t0, t1, t2 = (
+                room.of_t[0, component], room.of_t[1, component], room.of_t[2, component]
+            )  # fmt: skip
+            t3, t4, t5 = (
+                room.of_t[3, component], room.of_t[4, component], room.of_t[5, component]
+            )  # fmt: skip
+            for m in range(-degree - 1, degree + 2):
+                row = row_of(m, highest)
+                for block in range(abs(m) // LANES * LANES, degree + 2, LANES):
+                    at = row + block
+                    i = at + imaginary
+                    added = bodies.derivative_summand(
+                        -lanes(answer, i), lanes(answer, at), lanes(moved, at), lanes(moved, i),
+                        lanes(p0, at), lanes(p0, i), lanes(p1, at), lanes(p1, i),
+                        lanes(p2, at), lanes(p2, i), lanes(p3, at), lanes(p3, i),
+                        lanes(p4, at), lanes(p4, i), lanes(p5, at), lanes(p5, i),
+                        lanes(t0, at), lanes(t0, i), lanes(t1, at), lanes(t1, i),
+                        lanes(t2, at), lanes(t2, i), lanes(t3, at), lanes(t3, i),
+                        lanes(t4, at), lanes(t4, i), lanes(t5, at), lanes(t5, i),
+                    )  # fmt: skip
+                    sums = (
+                        sums[0] + added[0], sums[1] + added[1], sums[2] + added[2],
+                        sums[3] + added[3], sums[4] + added[4], sums[5] + added[5],
+                    )  # fmt: skip
+        for i, value in enumerate(sums):
+            found[DERIVATIVE + _SIX * i + j] += total(value)
 
 
 @named_njit(**OPTIONS)
@@ -376,12 +380,12 @@ def _in_laboratory(frame, azimuth, derivative, found, out):  # type: ignore[no-u
                     value = 0.0
                     for k in range(3):
                         for l in range(3):
-                            at = _DERIVATIVE + _SIX * (of + k) + over + l
+                            at = DERIVATIVE + _SIX * (of + k) + over + l
                             value += frame[i, k] * found[at] * frame[j, l]
-                    out[_DERIVATIVE + _SIX * (of + i) + over + j] = value
+                    out[DERIVATIVE + _SIX * (of + i) + over + j] = value
         # a turned body turns its force too: d(R F)/d eps = ... - [F x]
         x, y, z = out[of], out[of + 1], out[of + 2]
-        at = _DERIVATIVE + _SIX * of + 3
+        at = DERIVATIVE + _SIX * of + 3
         out[at + 1] += z
         out[at + 2] -= y
         out[at + _SIX] -= z
@@ -447,7 +451,7 @@ def add_up(  # type: ignore[no-untyped-def]
             both[i] = 2.0 * light[i] + answer[i]
         wrench_sums(room.p, room.t, room.v, table, degree, highest, found)
         if derivative:
-            derivative_sums(body, room.p, room.t, room.v, table, highest, room, found)
+            derivative_sums(body, table, highest, room, found)
     strength, wavenumber = number(data, STRENGTH), source.wavenumber
     unit = strength / number(data, OF_ALL)
     for i in range(3):
@@ -461,7 +465,7 @@ def add_up(  # type: ignore[no-untyped-def]
                 over = strength if i < 3 else strength / wavenumber
                 if j < 3:
                     over *= wavenumber
-                found[_DERIVATIVE + _SIX * i + j] *= over
+                found[DERIVATIVE + _SIX * i + j] *= over
     _in_laboratory(frame, azimuth, derivative, found, out)
     return True
 
@@ -500,8 +504,8 @@ def body_kernel() -> Kernel:
                 wrench.moment[at, i] += out[3 + i]
                 if gradient:
                     for j in range(3):
-                        wrench.force_gradient[at, i, j] += out[_DERIVATIVE + _SIX * i + j]
-                        wrench.moment_gradient[at, i, j] += out[_DERIVATIVE + _SIX * (3 + i) + j]
+                        wrench.force_gradient[at, i, j] += out[DERIVATIVE + _SIX * i + j]
+                        wrench.moment_gradient[at, i, j] += out[DERIVATIVE + _SIX * (3 + i) + j]
 
     return add_force_on_body
 

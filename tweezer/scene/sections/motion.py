@@ -51,7 +51,7 @@ def _euler_parameters(value: Any) -> Any:
         return (0.0, 1.0, 0.0, 0.0)
     # the sum of z and the axis is halfway between them
     half = math.hypot(x, y, 1 + z)
-    return (half / 2, -y / half, x / half, 0.0)
+    return (half / 2, 0.0 - y / half, x / half, 0.0)
 
 
 Orientation = Annotated[

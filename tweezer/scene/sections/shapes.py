@@ -26,24 +26,26 @@ class Shape:
     name: str
     about: str
     """description in a few words"""
+    t_matrix: str
+    """"module:name" of the function that returns the T-matrix of a scene's bead"""
     needs: tuple[str, ...] = ()
     """keys that it requires and that other shapes refuse"""
-    diameter: bool = True
-    """whether it requires a diameter (or radius); otherwise its other keys give the size"""
     index: bool = True
     """whether the bead requires a refractive index of its own"""
 
 
+_BODIES = "tweezer.optics.bodies.shapes"
+
 SHAPES: dict[str, Shape] = {
     each.name: each
     for each in (
-        Shape("sphere", "a sphere, homogeneous or in layers"),
-        Shape("spheroid", "an ellipsoid of revolution: `diameter` across its axis, `length` along "
-              "it", ("length",)),
-        Shape("spheres", "a rigid cluster of `spheres`", ("spheres",), diameter=False,
+        Shape("sphere", "a sphere, homogeneous or in layers", f"{_BODIES}:sphere"),
+        Shape("spheroid", "an ellipsoid of revolution, `diameter` across its axis and `length` "
+              "along it", f"{_BODIES}:spheroid", ("length",)),
+        Shape("spheres", "a rigid cluster of `spheres`", f"{_BODIES}:cluster", ("spheres",),
               index=False),
-        Shape("t-matrix", "any body, by the T-matrix in a `file`; `diameter` encloses it",
-              ("file",), index=False),
+        Shape("t-matrix", "any body, with the T-matrix in a `file`; `diameter` encloses it",
+              f"{_BODIES}:from_file", ("file",), index=False),
     )
 }  # fmt: skip
 
