@@ -19,6 +19,7 @@ from .results.io import load_run, save_run, scene_of
 from .results.saving import load, save
 from .runs import Summary, Tuned, Tuning, summarise, tune
 from .runs.simulation import simulate
+from .optics.bodies import TMatrix, t_matrix
 from .scene import Scene, load_scene, shipped_scenes
 from .scene.bead import BeadProperties, bead_properties
 from .sweeps.sweep import sweep
@@ -58,6 +59,7 @@ __all__ = [
     "SceneLight",
     "Summary",
     "Surface",
+    "TMatrix",
     "Track",
     "Trap",
     "Tuned",
@@ -97,6 +99,7 @@ __all__ = [
     "simulate",
     "summarise",
     "sweep",
+    "t_matrix",
     "trap_over_heights",
     "tune",
     "view",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tweezer.forces.force import Wrench
 from tweezer.optics.binding import Beams, evaluators_of, light_force
@@ -56,7 +57,13 @@ class SceneLight:
     scene: Scene
     """scene of the light"""
 
-    def field(self, positions: QuantitiesLike, *, time: QuantityLike = 0.0) -> xr.Dataset:
+    def field(
+        self,
+        positions: QuantitiesLike,
+        *,
+        time: QuantityLike = 0.0,
+        orientations: ArrayLike | None = None,
+    ) -> xr.Dataset:
         """Return force, torque, gradient, error and absorbed power at positions of the bead.
 
         Parameters
@@ -66,6 +73,9 @@ class SceneLight:
             accepted.
         time : float or quantity, optional
             Time of beams that move or change, s.
+        orientations : array_like, shape (..., 4), optional
+            Euler parameters of the body, scalar first, from the body to the laboratory; one for
+            each position or one for all. Default: those of the start.
 
         Returns
         -------
@@ -98,7 +108,8 @@ class SceneLight:
         import xarray as xr
 
         places, time = self._places(positions), to_si(time, "s")
-        wrench = self._wrench(places, time, gradient=True)
+        turned = self._turned(places, orientations)
+        wrench = self._wrench(places, time, turned, gradient=True)
         over, coordinates = _before_axis(positions, places)
         described = {
             "force": (wrench.force, "N", "force of the light"),
@@ -106,7 +117,8 @@ class SceneLight:
             "gradient": (wrench.force_gradient, "N/m", "derivative of the force over the position"),
             "force_error": (self._error(places, wrench, time), "N", "error of the force"),
             "absorbed_power": (
-                self._absorbed(places, time), "W", "power of the light that the bead absorbs"
+                self._absorbed(places, time, turned), "W",
+                "power of the light that the bead absorbs",
             ),
         }  # fmt: skip
         variables = {
@@ -157,13 +169,35 @@ class SceneLight:
         _outside_walls(self.scene, array.reshape(-1, 3))
         return array
 
-    def _wrench(self, places: Array, time: float, *, gradient: bool = False) -> Wrench:
+    def _turned(self, places: Array, orientations: ArrayLike | None) -> Array | None:
+        """Return Euler parameters of length 1 for each position in a list, (n, 4), or None.
+
+        Raises `ValueError` for other shapes, and for Euler parameters that are not finite or all 0.
+        """
+        if orientations is None and self.scene.bead.shape == "sphere":
+            return None
+        given = self.scene.start.orientation if orientations is None else orientations
+        try:
+            array = np.broadcast_to(np.asarray(given, np.float64), (*places.shape[:-1], 4))
+        except (TypeError, ValueError):
+            raise ValueError(
+                "orientations must be numbers of the shape (4,) or (..., 4), as the positions"
+            ) from None
+        length = np.linalg.norm(array, axis=-1, keepdims=True)
+        if not (np.isfinite(length) & (length > 0)).all():
+            raise ValueError("orientations must be finite and not all 0")
+        return np.ascontiguousarray(array / length).reshape(-1, 4)
+
+    def _wrench(
+        self, places: Array, time: float, turned: Array | None = None, *, gradient: bool = False
+    ) -> Wrench:
         """Return force and moment at positions (..., 3), m, of which n follow in one list.
 
-        time: s. gradient: compute gradients too. Warns where the error exceeds the tolerance.
+        time: s. turned: Euler parameters (n, 4). gradient: compute gradients too. Warns where the
+        error exceeds the tolerance.
         """
         listed, force = places.reshape(-1, 3), self._force
-        field = force.field(listed, gradient=gradient, time=time)
+        field = force.field(listed, gradient=gradient, time=time, orientations=turned)
         tolerance = self.scene.optics.tolerance
         doubtful = field.error > tolerance * np.linalg.norm(field.force, axis=1)
         if doubtful.any():
@@ -181,9 +215,14 @@ class SceneLight:
         """Return the error of the force `field` at positions (..., 3), m, as a list (n,), N."""
         return self._force.error_of(places.reshape(-1, 3), field, time)
 
-    def _absorbed(self, places: Array, time: float) -> Array:
+    def _absorbed(self, places: Array, time: float, turned: Array | None = None) -> Array:
         """Return the power that the bead absorbs at positions (..., 3), m, as a list (n,), W."""
         listed, force = places.reshape(-1, 3), self._force
+        if self.scene.bead.shape != "sphere":
+            from tweezer.optics.bodies.by_sums import absorbed_of
+
+            assert turned is not None
+            return absorbed_of(force, listed, turned, time)
         if isinstance(force, LightForce):
             return force.absorbed_power(listed)
         return force.absorbed_power(listed, time)
@@ -212,7 +251,11 @@ def _before_axis(
 
 
 def optical_force(
-    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
+    scene: SceneLike,
+    positions: QuantitiesLike,
+    orientations: ArrayLike | None = None,
+    *,
+    time: QuantityLike = 0.0,
 ) -> Array:
     """Return the force of the light on the bead (3.26).
 
@@ -225,6 +268,9 @@ def optical_force(
     positions : array_like, shape (..., 3)
         Positions of the bead from the focus, m, z along the light. Quantities with units are
         accepted.
+    orientations : array_like, shape (..., 4), optional
+        Euler parameters of the body, scalar first, from the body to the laboratory; one for each
+        position or one for all. Default: those of the start.
     time : float or str, optional
         Time of beams that move or change, s.
 
@@ -253,11 +299,16 @@ def optical_force(
     """
     of = light(scene)
     places = of._places(positions)
-    return of._wrench(places, to_si(time, "s")).force.reshape(places.shape)
+    turned = of._turned(places, orientations)
+    return of._wrench(places, to_si(time, "s"), turned).force.reshape(places.shape)
 
 
 def optical_force_error(
-    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
+    scene: SceneLike,
+    positions: QuantitiesLike,
+    orientations: ArrayLike | None = None,
+    *,
+    time: QuantityLike = 0.0,
 ) -> Array:
     """Return the error of the force of the light on the bead.
 
@@ -271,6 +322,9 @@ def optical_force_error(
         Scene with one or several beams.
     positions : array_like, shape (..., 3)
         Positions of the bead from the focus, m.
+    orientations : array_like, shape (..., 4), optional
+        Euler parameters of the body, scalar first, from the body to the laboratory; one for each
+        position or one for all. Default: those of the start.
     time : float or str, optional
         Time of beams that move or change, s.
 
@@ -286,14 +340,22 @@ def optical_force_error(
     """
     of = light(scene)
     places, time = of._places(positions), to_si(time, "s")
-    field = of._force.field(places.reshape(-1, 3), time=time)
+    turned = of._turned(places, orientations)
+    field = of._force.field(places.reshape(-1, 3), time=time, orientations=turned)
     return of._error(places, field, time).reshape(places.shape[:-1])
 
 
 def optical_jacobian(
-    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
+    scene: SceneLike,
+    positions: QuantitiesLike,
+    orientations: ArrayLike | None = None,
+    *,
+    time: QuantityLike = 0.0,
 ) -> Array:
     """Return the derivative of the force over the position.
+
+    For a body that is not a sphere it is the derivative of force and torque over position and
+    rotation. It is not symmetric, because the force of light has no potential.
 
     The sum over the grid's rays jumps where a ray begins or ceases to hit the bead. The derivative
     leaves the jumps out.
@@ -304,13 +366,17 @@ def optical_jacobian(
         Scene with one or several beams.
     positions : array_like, shape (..., 3)
         Positions of the bead from the focus, m.
+    orientations : array_like, shape (..., 4), optional
+        Euler parameters of the body, scalar first, from the body to the laboratory; one for each
+        position or one for all. Default: those of the start.
     time : float or str, optional
         Time of beams that move or change, s.
 
     Returns
     -------
-    ndarray, shape (..., 3, 3)
-        Derivative, N/m, with [..., i, j] = dF_i/dx_j.
+    ndarray, shape (..., 3, 3) or (..., 6, 6)
+        Derivative, N/m, with [..., i, j] = dF_i/dx_j. For a body d(F, M)/d(position, angle), with
+        angles of rotation about the laboratory's axes, in N/m, N, N and N m.
 
     Raises
     ------
@@ -325,19 +391,30 @@ def optical_jacobian(
     """
     of = light(scene)
     places = of._places(positions)
+    if of.scene.bead.shape != "sphere":
+        from tweezer.optics.bodies.by_sums import derivative_of
+
+        turned = of._turned(places, orientations)
+        assert turned is not None
+        found = derivative_of(of._force, places.reshape(-1, 3), turned, to_si(time, "s"))
+        return found.reshape((*places.shape[:-1], 6, 6))
     field = of._wrench(places, to_si(time, "s"), gradient=True)
     return field.force_gradient.reshape((*places.shape, 3))
 
 
 def optical_torque(
-    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
+    scene: SceneLike,
+    positions: QuantitiesLike,
+    orientations: ArrayLike | None = None,
+    *,
+    time: QuantityLike = 0.0,
 ) -> Array:
     """Return the moment of the light about the bead's centre, in the inertial frame.
 
     It is zero for a sphere that absorbs nothing: every ray leaves it with the impact parameter with
     which it came, and every wave with its angular momentum. An absorbing sphere takes the angular
-    momentum of the light that it absorbs. With `beam.torque = "thesis"` the result is the moment
-    (3.25).
+    momentum of the light that it absorbs. Bodies of other shapes are turned by scattering too. With
+    `beam.torque = "thesis"` the result is the moment (3.25).
 
     Parameters
     ----------
@@ -345,6 +422,9 @@ def optical_torque(
         Scene with one or several beams.
     positions : array_like, shape (..., 3)
         Positions of the bead from the focus, m.
+    orientations : array_like, shape (..., 4), optional
+        Euler parameters of the body, scalar first, from the body to the laboratory; one for each
+        position or one for all. Default: those of the start.
     time : float or str, optional
         Time of beams that move or change, s.
 
@@ -360,11 +440,16 @@ def optical_torque(
     """
     of = light(scene)
     places = of._places(positions)
-    return of._wrench(places, to_si(time, "s")).moment.reshape(places.shape)
+    turned = of._turned(places, orientations)
+    return of._wrench(places, to_si(time, "s"), turned).moment.reshape(places.shape)
 
 
 def absorbed_power(
-    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
+    scene: SceneLike,
+    positions: QuantitiesLike,
+    orientations: ArrayLike | None = None,
+    *,
+    time: QuantityLike = 0.0,
 ) -> Array:
     """Return the power of the light that the bead absorbs.
 
@@ -376,6 +461,9 @@ def absorbed_power(
         Scene with one or several beams.
     positions : array_like, shape (..., 3)
         Positions of the bead from the focus, m.
+    orientations : array_like, shape (..., 4), optional
+        Euler parameters of the body, scalar first, from the body to the laboratory; one for each
+        position or one for all. Default: those of the start.
     time : float or str, optional
         Time of beams that move or change, s.
 
@@ -397,7 +485,8 @@ def absorbed_power(
     """
     of = light(scene)
     places = of._places(positions)
-    return of._absorbed(places, to_si(time, "s")).reshape(places.shape[:-1])
+    turned = of._turned(places, orientations)
+    return of._absorbed(places, to_si(time, "s"), turned).reshape(places.shape[:-1])
 
 
 def _outside_walls(scene: Scene, places: Array) -> None:

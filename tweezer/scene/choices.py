@@ -116,6 +116,21 @@ class Evaluator:
         return at(self.places[theory])
 
 
+@dataclass(frozen=True)
+class Shape:
+    """A shape of the bead, with the keys that it requires beyond density and index."""
+
+    name: str
+    about: str
+    """description in a few words"""
+    t_matrix: str
+    """"module:name" of the function that returns the T-matrix of a scene's bead"""
+    needs: tuple[str, ...] = ()
+    """keys that it requires and that other shapes refuse"""
+    index: bool = True
+    """whether the bead requires a refractive index of its own"""
+
+
 def at(place: str) -> Any:
     """Import and return the object at "module:name"."""
     module, _, name = place.partition(":")
@@ -130,6 +145,7 @@ def _by_name(*entries: Any) -> dict[str, Any]:
 _METHODS = "tweezer.dynamics.integrators"
 _SCHEMES = "tweezer.dynamics.brownian"
 _OPTICS = "tweezer.optics"
+_BODIES = f"{_OPTICS}.bodies.shapes"
 
 MODELS: dict[str, Model] = _by_name(
     Model("full", "(A.25)", "full", inertia=True),
@@ -196,13 +212,23 @@ EVALUATORS: dict[str, Evaluator] = _by_name(
               symmetric=("rays",), mapped=True),
 )  # fmt: skip
 
+SHAPES: dict[str, Shape] = _by_name(
+    Shape("sphere", "a sphere, homogeneous or in layers", f"{_BODIES}:sphere"),
+    Shape("spheroid", "an ellipsoid of revolution, `diameter` across its axis and `length` along "
+          "it", f"{_BODIES}:spheroid", ("length",)),
+    Shape("spheres", "a rigid cluster of `spheres`", f"{_BODIES}:cluster", ("spheres",),
+          index=False),
+    Shape("t-matrix", "any body, with the T-matrix in a `file`; `diameter` encloses it",
+          f"{_BODIES}:from_file", ("file",), index=False),
+)  # fmt: skip
+
 
 def evaluator(name: str) -> Evaluator:
     """Return the evaluator named by `optics.evaluator`; "auto" means the quadrature."""
     return EVALUATORS["quadrature" if name == "auto" else name]
 
 
-def told(entries: Iterable[Model | Method | Inertia | Theory | Evaluator]) -> str:
+def told(entries: Iterable[Model | Method | Inertia | Theory | Evaluator | Shape]) -> str:
     """Return the descriptions of entries in one line, with equal descriptions only once."""
     by_text: dict[str, list[str]] = {}
     for each in entries:

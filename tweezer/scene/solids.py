@@ -31,9 +31,7 @@ class Spheroid(Body):
         Euler parameters at the start.
     """
 
-    def __init__(
-        self, across: float, along: float, density: float, orientation: tuple[float, ...]
-    ):
+    def __init__(self, across: float, along: float, density: float, orientation: tuple[float, ...]):
         self.size = max(across, along)
         self.volume = 4 / 3 * math.pi * across**2 * along
         self.mass = density * self.volume

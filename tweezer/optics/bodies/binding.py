@@ -102,7 +102,7 @@ def body_data(t_matrix: TMatrix, light: Waves, tolerance: float, reach: float) -
 
 
 def _delta_table(degree: int, stride: int) -> Array:
-    """Return Delta^n_mk = d^n_mk(pi/2) by k, m >= 0 and n up to a degree, (stride, stride, stride)."""
+    """Return Delta^n_mk = d^n_mk(pi/2) by k, m >= 0 and n, `stride` of each, up to a degree."""
     table = np.zeros((stride, stride, stride))
     for n, delta in enumerate(wigner_delta(degree)):
         table[: n + 1, : n + 1, n] = delta[n:, n:].T

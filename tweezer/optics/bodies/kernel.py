@@ -511,9 +511,7 @@ def body_kernel() -> Kernel:
 
 
 #: Type of the compiled `body_sums`
-_SUMS = types.float64[:, ::1](
-    types.float64[:, ::1], types.float64[:, ::1], DATA, types.boolean
-)
+_SUMS = types.float64[:, ::1](types.float64[:, ::1], types.float64[:, ::1], DATA, types.boolean)
 
 
 @functools.cache

@@ -118,7 +118,8 @@ def turn(p, table, alternating, highest, most, alpha, beta, gamma, room, out):  
         above, below = row_of(m, highest), row_of(-m, highest)
         for block in range(m // LANES * LANES, stride, LANES):
             for c in range(2):
-                u, v = _by(lanes(p[c], above + block), lanes(p[c], above + imaginary + block), re, im)
+                own = above + block
+                u, v = _by(lanes(p[c], own), lanes(p[c], own + imaginary), re, im)
                 at = (m * _FOUR + 2 * c) * stride + block
                 if m == 0:
                     store(first, at, u)

@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 
 from tweezer.optics.bodies.t_matrix import TMatrix, sphere_t_matrix
-from tweezer.scene import Scene, SceneLike, checked_scene
-from tweezer.scene.choices import at
-from tweezer.scene.sections.shapes import SHAPES
-from tweezer.scene.theory import largest_wavenumber
+from tweezer.scene import SceneLike, checked_scene
+from tweezer.scene.choices import SHAPES, at
 from tweezer.values.errors import SceneError
 
 #: Largest ratio of the axes of a spheroid, and largest k times its larger semi-axis

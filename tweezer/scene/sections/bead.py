@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 from pydantic import Field, StrictInt, ValidationInfo, field_validator, model_validator
 
 from tweezer.scene.body import Body
-from tweezer.scene.choices import INERTIAS, told
+from tweezer.scene.choices import INERTIAS, SHAPES, told
 from tweezer.scene.courses import refusal
 from tweezer.scene.sections.alternatives import WITHIN_LAYERS, Filled, with_half
 from tweezer.scene.sections.shapes import (
-    SHAPES,
     ClusterSpheres,
     MaterialName,
     Round,

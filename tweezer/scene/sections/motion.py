@@ -77,8 +77,9 @@ class Start(Section):
     ball_radius: PositiveLength | None = Field(None, description="radius of the ball")
     velocity: Velocity = Field((0.0, 0.0, 0.0), description="velocity")
     orientation: Orientation = Field(
-        (1.0, 0.0, 0.0, 0.0), description="Euler parameters e0..e3 of any length but 0, scalar first, from the body to "
-        "the laboratory; or the direction of the body's z axis, 3 numbers"
+        (1.0, 0.0, 0.0, 0.0),
+        description="Euler parameters e0..e3 of any length but 0, scalar first, from the body to "
+        "the laboratory; or the direction of the body's z axis, 3 numbers",
     )
     angular_velocity: AngularVelocity = Field(
         (0.0, 0.0, 0.0), description="angular velocity, body frame"

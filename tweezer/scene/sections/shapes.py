@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
+from tweezer.scene.choices import SHAPES
 from tweezer.scene.courses import Vector, refusal
 from tweezer.scene.materials import materials
 from tweezer.scene.sections.alternatives import Filled, with_half
@@ -18,36 +18,6 @@ if TYPE_CHECKING:
     MaterialName: TypeAlias = str
     ShapeName: TypeAlias = str
 
-
-@dataclass(frozen=True)
-class Shape:
-    """A shape of the bead, with the keys that it requires beyond density and index."""
-
-    name: str
-    about: str
-    """description in a few words"""
-    t_matrix: str
-    """"module:name" of the function that returns the T-matrix of a scene's bead"""
-    needs: tuple[str, ...] = ()
-    """keys that it requires and that other shapes refuse"""
-    index: bool = True
-    """whether the bead requires a refractive index of its own"""
-
-
-_BODIES = "tweezer.optics.bodies.shapes"
-
-SHAPES: dict[str, Shape] = {
-    each.name: each
-    for each in (
-        Shape("sphere", "a sphere, homogeneous or in layers", f"{_BODIES}:sphere"),
-        Shape("spheroid", "an ellipsoid of revolution, `diameter` across its axis and `length` "
-              "along it", f"{_BODIES}:spheroid", ("length",)),
-        Shape("spheres", "a rigid cluster of `spheres`", f"{_BODIES}:cluster", ("spheres",),
-              index=False),
-        Shape("t-matrix", "any body, with the T-matrix in a `file`; `diameter` encloses it",
-              f"{_BODIES}:from_file", ("file",), index=False),
-    )
-}  # fmt: skip
 
 if not TYPE_CHECKING:
     MaterialName = Literal[tuple(materials())]
@@ -115,7 +85,7 @@ def check_keys(shape: str, given: Mapping[str, Any]) -> None:
 def check_apart(spheres: Sequence[ClusterSphere]) -> None:
     """Refuse spheres of a cluster that overlap."""
     for i, one in enumerate(spheres, start=1):
-        for j, other in enumerate(spheres[:i - 1], start=1):
+        for j, other in enumerate(spheres[: i - 1], start=1):
             apart = math.dist(one.position, other.position)
             if apart < (one.radius + other.radius) * (1 - 1e-9):
                 raise refusal(
