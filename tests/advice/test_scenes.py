@@ -29,7 +29,7 @@ DECIDED_BY_PEOPLE = re.compile(
     r"must be a (complex )?number|no body has a moment|must start|must be nearer|"
     r"must be perpendicular to|must be larger|must be 0$|"
     r"cannot be combined with layers|has \d+ entries|must be given if drawn|"
-    r"must be at z = 0|must reach|has no meaning as waves, and|"
+    r"must be at z = 0|must reach|requires ray optics, and|"
     r"must be true or false$|must be convertible to K|has the wrong unit; must be a number"
 )
 

@@ -180,7 +180,7 @@ def test_the_way_out_is_said():
     exact = "optics.theory = 'waves' is exact"
     assert ray_optics_caveat(silica()).endswith(exact)
     assert ray_optics_caveat(silica(polarisation="averaged-reflectance")).endswith(
-        "beam.polarisation = 'averaged-reflectance' has no meaning as waves"
+        "beam.polarisation = 'averaged-reflectance' requires ray optics"
     )
     large = silica().replace(bead={"diameter": 40e-6}, optics={"theory": "auto"})
     large = large.replace(start={"position": [0.0, 0.0, 0.0]})

@@ -335,7 +335,7 @@ BEADS = text("x,y,frame,particle", 1e6 * X, Y, FRAMES % 200, FRAMES // 200)
      ("a.csv", text("t,x", T, X), {"columns": "t=t,x=place"},
       "no column is called 'place' among 't', 'x'"),
      ("a.csv", text("t,x", T, X), {"columns": "t=1,x=9"},
-      "has 2 columns; there is no number 9 for x"),
+      "x=9: the table has only 2 columns"),
      ("a.csv", text("t [s],x [um]", T, X), {"columns": "t [ms],x"}, "is in ms, and in s"),
      ("a.csv", text("t,x", STAMPS, X), {}, 'give the rate: --rate "999.7 Hz"'),
      ("a.csv", text("t,x", STAMPS, X), {"rate": "50 Hz"}, "its times have 99"),

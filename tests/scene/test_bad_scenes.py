@@ -420,30 +420,30 @@ BAD_SCENES = {
                        "optics.theory = 'mie': allowed: 'auto', 'rays' or 'waves'"),
     "averaged reflectance as waves": (
         {"beam.polarisation": '"averaged-reflectance"', **WAVES},
-        "optics.theory = 'waves': beam.polarisation = 'averaged-reflectance' has no meaning as "
-        "waves; allowed: 'auto' or 'rays'",
+        "optics.theory = 'waves': beam.polarisation = 'averaged-reflectance' requires "
+        "ray optics; allowed: 'auto' or 'rays'",
     ),
     "moment of the thesis as waves": ({"beam.torque": '"thesis"', **WAVES},
-                                      "beam.torque = 'thesis' has no meaning as waves"),
-    "grid as waves": ({**GRID, **WAVES}, "optics.evaluator = 'grid' has no meaning as waves"),
+                                      "beam.torque = 'thesis' requires ray optics"),
+    "grid as waves": ({**GRID, **WAVES}, "optics.evaluator = 'grid' requires ray optics"),
     "donut without a phase as waves": (
         {"beam.profile": '"donut"', **WAVES},
-        "beam.profile = 'donut' without a vortex, or radial or azimuthal polarisation, has no",
+        "beam.profile = 'donut' without a vortex, or radial or azimuthal polarisation, requires",
     ),
     "absorbing bead as rays": (
         {"bead.refractive_index": '"1.57+0.01j"', **RAYS},
-        "optics.theory = 'rays': bead.refractive_index = 1.57+0.01j has no meaning as rays; "
+        "optics.theory = 'rays': bead.refractive_index = 1.57+0.01j requires wave optics; "
         "allowed: 'auto' or 'waves'",
     ),
-    "layers as rays": ({**LAYERS, **RAYS}, "bead.layers of 2 has no meaning as rays"),
-    "cover as rays": ({**COVER, **RAYS}, "lens.cover has no meaning as rays"),
-    "vortex as rays": ({"beam.vortex": "-2", **RAYS}, "beam.vortex = -2 has no meaning as rays"),
+    "layers as rays": ({**LAYERS, **RAYS}, "bead.layers (2 layers) requires wave optics"),
+    "cover as rays": ({**COVER, **RAYS}, "lens.cover requires wave optics"),
+    "vortex as rays": ({"beam.vortex": "-2", **RAYS}, "beam.vortex = -2 requires wave optics"),
     "radial light as rays": ({"beam.polarisation": '"radial"', **RAYS},
-                             "beam.polarisation = 'radial' has no meaning as rays"),
+                             "beam.polarisation = 'radial' requires wave optics"),
     "light that is neither": (
         {"beam.vortex": "1", **GRID},
-        "optics.theory = 'auto': optics.evaluator = 'grid' has no meaning as waves, and "
-        "beam.vortex = 1 has no meaning as rays",
+        "optics.theory = 'auto': optics.evaluator = 'grid' requires ray optics, and "
+        "beam.vortex = 1 requires wave optics",
     ),
     "vortex that is no whole number": ({"beam.vortex": "0.5"},
                                        "beam.vortex = 0.5: must be a whole number"),

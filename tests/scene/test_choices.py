@@ -69,7 +69,7 @@ else:
 try:  # it is of rays
     mW.replace(optics={"theory": "waves"})
 except tweezer.SceneError as error:
-    assert "optics.evaluator = 'by-hand' has no meaning as waves" in str(error), error
+    assert "optics.evaluator = 'by-hand' requires ray optics" in str(error), error
 else:
     raise AssertionError
 # a fit of the depth takes it, not the map of ray optics

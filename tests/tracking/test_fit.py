@@ -216,7 +216,7 @@ def test_a_run_has_the_inertia_that_it_was_made_with(scene, recording):
 def test_runs_of_different_inertia_are_not_fitted_together(scene, recording):
     one = dataclasses.replace(recording, scene=scene)
     other = dataclasses.replace(recording, scene=scene.replace(simulation={"model": "full"}))
-    with pytest.raises(ResultError, match="have different inertia; fit them separately"):
+    with pytest.raises(ResultError, match="differ in simulation.model or medium.inertia; fit them"):
         tweezer.fit([one, other], scene, free=[POWER])
 
 
@@ -390,7 +390,7 @@ def test_exit_code_of_a_fit_that_determines_nothing_is_1(recording, command_line
      ({"camera": {"rate": 1000}}, [POWER], "its camera has rate = 2000, but the scene or"),
      ({}, ["simulation.duration"], "does not affect a bead at rest"),
      ({}, ["bead.radius", DIAMETER], "bead.radius or diameter: give only one"),
-     ({"beam": {"power_through_pupil": 1e-9}}, [POWER], "the light holds no bead"),
+     ({"beam": {"power_through_pupil": 1e-9}}, [POWER], "the scene has no stable trap"),
      ({"beam": {"motion": {"kind": "ramp", "velocity": [1e-6, 0, 0]}}}, [POWER],
       "forces that do not change in time")],
 )  # fmt: skip

@@ -281,7 +281,9 @@ def test_a_film_names_the_programs_that_are_missing(command_line, monkeypatch):
     monkeypatch.setattr("shutil.which", lambda name: None)
     outcome = command_line("view", "silica-1um", "--movie", "a.mp4")
     assert outcome.code == 2
-    needed = "a film requires Chromium and chromedriver and ffmpeg, which cannot be found\n"
+    needed = (
+        "a film requires Chromium and chromedriver and ffmpeg, not found on PATH; install them\n"
+    )
     assert outcome.err == needed
 
 

@@ -1,4 +1,4 @@
-"""Results of several axes, accessible by number or by the name of the axis."""
+"""Results of several axes, accessible by index or by the name of the axis."""
 
 from __future__ import annotations
 

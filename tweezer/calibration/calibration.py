@@ -65,9 +65,9 @@ def calibrate(
       a drag but no temperature.
     * Potential: `potential`, with the corrections of equipartition.
 
-    Along axes where no trap is detected, the bead is treated as a free bead. `Calibration.free` has
-    its diffusion coefficient and the quantities that follow from it: the viscosity, the radius or
-    Boltzmann's constant, whichever is not given.
+    Along axes on which no trap is detected, the bead is treated as free. `Calibration.free`
+    contains its diffusion coefficient and the quantity that follows from it: the viscosity, the
+    radius or Boltzmann's constant, whichever is not given.
 
     `tweezer bench calibrate` measures how often the confidence intervals contain the true value.
 
@@ -81,24 +81,24 @@ def calibrate(
     drag : float or str, optional
         Drag coefficient beta, kg/s. For a run beside a wall it follows from the mean mobility.
     mass : float or str, optional
-        Mass of the bead, kg. For a run it depends on the model and `medium.inertia`: it is none
+        Mass of the bead, kg. For a run it follows from the model and `medium.inertia`: no mass
         without inertia, m/a2 in the scaled model, and m + m_f/2 with an added mass.
     displaced_mass : float or str, optional
         Mass of the displaced fluid, kg, for hydrodynamic memory (`TrappedBead`). Requires `mass`.
     wall : float, str or pair, optional
-        Distance of the bead centre from a wall normal to the light, m, or with its standard
-        uncertainty "1.2 um +- 50 nm". Requires `radius`. `drag` is then the drag far from the wall;
-        the exact mobilities along and across the wall apply to x and y, and to z. An uncertain
-        height gives an uncertain drag, which is one more datum of the spectral fit. With fluid
-        inertia, from 1.5 radii along the wall and from 2 radii across it, the drag includes the
-        flow that the wall reflects (`tweezer.fluid.reflection`).
+        Distance of the bead centre from a wall perpendicular to the beam, m, optionally with its
+        standard uncertainty, "1.2 um +- 50 nm". Requires `radius`. `drag` is then the drag far from
+        the wall. The exact mobility parallel to the wall applies to x and y, and the perpendicular
+        mobility to z. If the height is uncertain, so is the drag, and the spectral fit determines
+        it too. With fluid inertia the drag includes the flow that the wall reflects
+        (`tweezer.fluid.reflection`), above 1.5 radii for x and y, and above 2 radii for z.
     radius : float or str, optional
         Radius of the bead, m.
     viscosity : float or str, optional
         Viscosity of the medium, Pa s. With `radius` it sets the drag.
     exposure : float or str, optional
-        Exposure time of each position, s, from 0 to the sampling interval, or "fit". An unknown
-        exposure is taken as 0, and a finding reports a recording that may have another one. For a
+        Exposure time of each position, s, from 0 to the sampling interval, or "fit". If it is not
+        given, 0 is assumed, and a finding reports motion blur that is present or possible. For a
         run, exposure and noise default to the scene's camera, and to 0 without a camera.
     diode : float, str or pair, optional
         Photodiode response: half-power frequency f_3 of the delayed part, Hz, optionally with the
@@ -107,7 +107,7 @@ def calibrate(
         Standard deviation of the white detector noise, in the unit of the recording, or "fit". A
         value to fit is determined with its uncertainty, or reported as not determined.
     drive : str, optional
-        Heading of the column with the motion of the stage, m, which may move to and fro in any way
+        Heading of the column with the position of the stage, m, which may oscillate in any way
         (active calibration, `tweezer.calibration.driving`). One fit then determines stiffness, drag
         and displacement sensitivity from the spectrum and the responses. For a recording in volts
         the displacement sensitivity is always fitted, which requires the drag or a drive.
@@ -116,7 +116,7 @@ def calibrate(
         results are corrected for the motion of the bead that this and `drift` remove
         (`tweezer.calibration.left_out`).
     drift : float or str, optional
-        Frequency below which drift is removed, in whole cosines, Hz.
+        Frequency below which drift is removed, Hz.
     fit_range : str or pair, optional
         Frequency range of the spectral fits, "10 Hz..10 kHz" or two numbers, Hz. The other methods
         use all frequencies.
@@ -230,7 +230,7 @@ def _told_by(other: AxisCalibration, axis: str, height: Height | None) -> KnownD
 def _free(
     recording: Recording, known: Known, records: list[Record], axes: ByAxis[AxisCalibration]
 ) -> Diffusion | None:
-    """Return the diffusion along the axes without a detected trap; None without such an axis.
+    """Return the diffusion along the axes on which no trap is detected, or None if all have one.
 
     `known` contains bead, medium and detector, and `axes` the calibrations with their findings.
     Findings about the samples of `recording` are included.

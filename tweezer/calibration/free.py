@@ -99,9 +99,9 @@ class FreeAxis:
     """95 % upper limit of the standard deviation of the localisation error, m; None if the exposure
     is unknown"""
     p_value: float
-    """probability of a spectrum of the steps that differs at least as much from the fit"""
+    """p-value of the fit to the spectrum of the steps"""
     jumps: tuple[int, ...]
-    """numbers of the samples before which the bead jumped; these steps are excluded. Empty for
+    """indices of the samples before which the bead jumped; these steps are excluded. Empty for
     several tracks"""
 
 
@@ -141,7 +141,8 @@ class Diffusion(Result):
     uncertainty: float
     """standard uncertainty of `diffusion`"""
     interval: tuple[float, float]
-    """95 % confidence interval, from the profile likelihood; begins at 0 if no diffusion is seen"""
+    """95 % confidence interval, from the profile likelihood; begins at 0 if no diffusion is
+    detected"""
     inferred: Inferred | None
     """quantity that follows from the diffusion; None without temperature, or for volts"""
     expected: float | None
@@ -151,11 +152,11 @@ class Diffusion(Result):
     remarks: tuple[str, ...]
     """remarks about steps that were left out or that widen the interval"""
     axes: ByAxis[FreeAxis]
-    """diffusion along each axis alone, by number or by name: axes["x"]"""
+    """diffusion along each axis alone, by index or by name: axes["x"]"""
     tracks: tuple[FreeTrack, ...] = ()
     """results of the single tracks, if there are several"""
     homogeneity: float | None = None
-    """probability that equal tracks differ at least as much; None for a single track"""
+    """p-value for the same diffusion coefficient in all tracks; None for a single track"""
 
     def coefficient(self, unit: str = "m") -> Measured:
         """Return the diffusion coefficient of a recording in "m" or "V"."""
@@ -272,7 +273,7 @@ class Given(NamedTuple):
 def not_trapped(
     name: str, found: Mapping[str, Sequence[Finding]], positions: Array, step: float, given: Given
 ) -> Diffusion | None:
-    """Return the diffusion along the axes without a detected trap; None without such an axis.
+    """Return the diffusion along the axes on which no trap is detected, or None if all have one.
 
     The bead is free along an axis if it looks free, or if it has findings and all of them are
     consistent with a free bead.

@@ -92,12 +92,12 @@ def potential(
 
     Bins reach 4 standard deviations to both sides of the mean. Their width is a fifth of a standard
     deviation, or larger, up to a half, if a Gaussian would leave less than 20 independent samples
-    in a bin at two. In a digitised recording the width is a whole multiple of its resolution, so
-    that every bin contains the same number of recorded values. Bins with less than 10 independent
-    samples are omitted. The number of independent samples in a bin follows from the variance of its
-    counts in successive blocks. The curvature is corrected for the width of the bins (Sheppard).
-    Its error is the error of the mean influence function over the recording, which includes the
-    correlation between bins.
+    in a bin at two standard deviations. In a digitised recording the width is a whole multiple of
+    its resolution, so that every bin contains the same number of recorded values. Bins with less
+    than 10 independent samples are omitted. The number of independent samples in a bin follows from
+    the variance of its counts in successive blocks. The curvature is corrected for the width of the
+    bins (Sheppard). Its error is the error of the mean influence function over the recording, which
+    includes the correlation between bins.
 
     Parameters
     ----------
@@ -106,8 +106,9 @@ def potential(
     temperature : float or str
         Temperature of the medium, K.
     resolution : float or str, optional
-        Step of a digitised recording, m; 0 for one that is not digitised. Default: determined from
-        the positions. Give it if drift was removed after the positions were digitised.
+        Step of a digitised recording, m; 0 for a recording that is not digitised. Default:
+        determined from the positions. Give it if drift was removed after the positions were
+        digitised.
 
     Returns
     -------

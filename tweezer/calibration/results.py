@@ -95,8 +95,8 @@ class SpectrumFit:
     log_likelihood: float
     """log-likelihood, for comparison with other fits of the same ordinates"""
     p_value: float
-    """probability of a spectrum that fits at least as badly; somewhat too large, because
-    parameters were fitted"""
+    """p-value of the fitted spectrum (Bartlett's test); somewhat too large, because parameters were
+    fitted"""
 
 
 @dataclass(frozen=True, repr=False)
@@ -262,15 +262,15 @@ class Calibration(Result):
     mass: float | None
     """mass of the bead, kg; None if overdamped"""
     displaced_mass: float | None
-    """mass of the fluid in the bead's place, kg; None: without the inertia of the fluid"""
+    """mass of the displaced fluid, kg; None without fluid inertia"""
     exposure: float | None
     """exposure time of a sample, s; None if fitted, or if unknown and taken as 0"""
     diode: tuple[float, float] | None
     """half-power frequency of a photodiode, Hz, and the fraction of the signal that it detects
     without delay; None without a diode, or if fitted"""
     noise: float | None
-    """standard deviation of the noise of the detector, m or V, along the first axis if each has its
-    own; None without, or fitted"""
+    """standard deviation of the detector noise along the first axis, m or V; None without noise, or
+    if it is fitted"""
     unit: str
     """unit of the record, "m" or "V\""""
     samples: int
@@ -280,11 +280,11 @@ class Calibration(Result):
     note: str
     """samples that were omitted from the recording, in words"""
     axes: ByAxis[AxisCalibration]
-    """calibration of each axis, by number or by name: axes["x"]"""
+    """calibration of each axis, by index or by name: axes["x"]"""
     wall: Height | None = None
     """the bead's height above a wall; None if not given"""
     free: Diffusion | None = None
-    """diffusion along the axes without a detected trap; None if a trap is detected along all"""
+    """diffusion along the axes on which no trap is detected; None if all have one"""
     left_out: LeftOut = NOTHING
     """drift and bands left out of the record, and the frequency range of the fits"""
     radius: float | None = None

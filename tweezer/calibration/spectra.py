@@ -231,20 +231,25 @@ class TrappedBead:
     """Bead in a harmonic trap, m x'' + drag + k x = thermal noise, with its detector.
 
     Here x is the position, m the mass and k the stiffness. Without a mass the bead is overdamped
-    (the Ornstein-Uhlenbeck process). The drag is beta x'. With the mass m_f of the displaced fluid,
-    it is the drag of Boussinesq and Basset. Its Laplace transform is gamma(s) = beta (1 +
-    sqrt(s tau_f) + s tau_f/9) with tau_f = 9 m_f/(2 beta), which depends on earlier motion and
-    adds m_f/2 to the mass. This memory is a sum of exponentials in time (`tweezer.fluid.memory`).
-    Beside a wall the drag includes the reflected flow (`tweezer.fluid.reflection`).
+    (the Ornstein-Uhlenbeck process). The drag is beta x'. If the mass m_f of the displaced fluid
+    is given, it is the drag of Boussinesq and Basset instead, with the Laplace transform gamma(s) =
+    beta (1 + sqrt(s tau_f) + s tau_f/9) and tau_f = 9 m_f/(2 beta). This drag depends on earlier
+    motion and adds m_f/2 to the mass. The memory is approximated by a sum of exponentials in time
+    (`tweezer.fluid.memory`). Beside a wall the drag includes the reflected flow
+    (`tweezer.fluid.reflection`).
 
-    The autocovariance of the position is a sum of decays e^-rt with rates r. A detector multiplies
-    the position by `response`, V/m (1 for positions in metres). A photodiode detects a fraction a
-    without delay. It multiplies the power at the frequency f by a^2 + (1 - a^2)/(1 + (f/f_3)^2)
-    (K. Berg-Sorensen et al., Rev. Sci. Instrum. 77, 063106 (2006)). A decay e^-rt then becomes
-    a^2 e^-rt + (1 - a^2) (w^2 e^-rt - r w e^-wt)/(w^2 - r^2), with w = 2 pi f_3. Each sample is the
-    mean over the exposure W (motion blur: W. P. Wong and K. Halvorsen, Opt. Express 14, 12517
-    (2006)). A decay e^-rt becomes (sinh(rW/2)/(rW/2))^2 e^-rt for t >= W, and
-    2 (rW - 1 + e^-rW)/(rW)^2 at t = 0. White noise adds to each sample.
+    The autocovariance of the position is a sum of exponentials e^-rt with rates r. The detector
+    changes it in four ways:
+
+    * The signal is the position times `response`, V/m (1 for positions in metres).
+    * A photodiode detects a fraction a of the signal without delay. It multiplies the power at the
+      frequency f by a^2 + (1 - a^2)/(1 + (f/f_3)^2) (K. Berg-Sorensen et al., Rev. Sci. Instrum.
+      77, 063106 (2006)). With w = 2 pi f_3, e^-rt becomes
+      a^2 e^-rt + (1 - a^2) (w^2 e^-rt - r w e^-wt)/(w^2 - r^2).
+    * Each sample is the mean over the exposure W (motion blur: W. P. Wong and K. Halvorsen, Opt.
+      Express 14, 12517 (2006)). At t >= W, e^-rt becomes (sinh(rW/2)/(rW/2))^2 e^-rt. At t = 0 it
+      becomes 2 (rW - 1 + e^-rW)/(rW)^2.
+    * White noise is added to each sample.
     """
 
     stiffness: float

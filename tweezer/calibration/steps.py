@@ -40,7 +40,7 @@ class Steps:
     without : sequence of (float, float)
         Bands of frequencies (Hz) whose ordinates are not used.
     tracks : sequence of int
-        Number of the track of each piece, from 0. Default: all pieces belong to one track.
+        Index of the track to which each piece belongs. Default: all pieces belong to one track.
     square : float
         Unit of A and B, m^2. Default: the mean squared step.
     """
@@ -143,11 +143,11 @@ class Steps:
         return unit * (self._cross @ per) / of_drift, unit / np.sqrt(of_drift)
 
     def ratios(self, a: float, b: float) -> tuple[Array, Array]:
-        """Return the squared ordinates over their expectations, and the mean of each such ratio.
+        """Return the normalised periodogram of the steps, and the mean of each of its values.
 
-        Both have one number per ordinate, in the order of frequency, for a = ln A and b = ln B. A
-        ratio has slightly less than one degree of freedom, because the drift of its track is
-        fitted.
+        For the spectrum with a = ln A and b = ln B, each squared ordinate is divided by its
+        expectation. Both arrays have one value per ordinate, in the order of frequency. The means
+        are slightly less than 1, because the drift of each track is fitted.
         """
         drifts, errors = self.drifts(a, b)
         unit = self.step / math.sqrt(self.square)

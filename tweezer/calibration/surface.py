@@ -45,11 +45,11 @@ class Surface(Result):
     QUANTITIES: ClassVar = (WALL, SHIFT, FAR_DRAG)
 
     position: float
-    """position of the focus at which the bead's centre would be in the wall, m"""
+    """position of the focus at which the bead's centre would be in the plane of the wall, m"""
     uncertainty: float
     """standard uncertainty of `position`, m"""
     shift: float
-    """distance that the bead moves over the distance that the focus position changes, a number"""
+    """displacement of the bead divided by the displacement of the focus"""
     shift_uncertainty: float | None
     """standard uncertainty of `shift`; None if the shift is given"""
     drag: float
@@ -61,9 +61,9 @@ class Surface(Result):
     recordings: tuple[str, ...]
     """names of the recordings whose drag was used, which have no findings"""
     p_value: float | None
-    """probability of drags that deviate more, by chi-square; None without degrees of freedom"""
+    """p-value of the fit to the drags (chi-square test); None without degrees of freedom"""
     findings: tuple[Finding, ...]
-    """reasons not to trust it; empty if there are none"""
+    """reasons not to trust the position; empty if there are none"""
 
     def quantities(self) -> Iterator[Measured]:
         """Yield the wall position, the focal shift and the drag far from the wall."""
@@ -86,7 +86,7 @@ class Surface(Result):
         return Card("Surface", "", tuple(rows), (Table(("recording", "height"), heights),))
 
     def printed(self, names: Sequence[str], positions: Sequence[float]) -> Iterator[Table | str]:
-        """Yield the table of heights and the place of the wall, as the command prints them.
+        """Yield the table of heights and the wall position, as the command prints them.
 
         Parameters
         ----------
@@ -124,16 +124,16 @@ def find_wall(
 ) -> Surface:
     """Return the position of a wall, from the drag of a bead at several heights above it.
 
-    The height of the bead's centre is shift (position - position of the wall). The unknowns are
-    fitted to the logarithms of the measured drags along all axes by least squares, with the weights
-    of their uncertainties. The drag at each height follows from the exact mobilities of a sphere
-    beside a wall.
+    The height of the bead's centre above the wall is shift (position - position of the wall). The
+    unknowns are fitted to the logarithms of the measured drags along all axes by least squares,
+    with the weights of their uncertainties. The drag at each height follows from the exact
+    mobilities of a sphere beside a wall.
 
     Parameters
     ----------
     calibrations : sequence of Calibration
-        Calibration of a recording at each height. They must measure the drag: in metres or with a
-        drive, and without the inertia of the fluid.
+        Calibration of a recording at each height. Each must determine the drag: the recording is in
+        metres or has a drive, and fluid inertia is not included.
     positions : array_like, shape (n,)
         Position of the focus or the stage in each recording, m, increasing away from the wall.
     radius : float or str
@@ -141,8 +141,8 @@ def find_wall(
     drag : float or str, optional
         Drag far from the wall, kg/s. Default: fitted.
     shift : float, optional
-        Distance that the bead moves over the change of the position; None: fitted. Behind a cover
-        glass the focus moves less than the objective.
+        Displacement of the bead divided by the displacement of the focus or stage; None to fit it.
+        Behind a cover glass the focus moves less than the objective.
 
     Returns
     -------
@@ -166,14 +166,14 @@ def find_wall(
             raise ResultError(f"{name} = {value}: must be positive")
     if any(each.displaced_mass is not None for each in calibrations):
         raise ResultError(
-            "heights are determined without fluid inertia; omit the density of the fluid"
+            "the wall position is determined without fluid inertia; omit the fluid density"
         )
     drags = _Drags.of(calibrations, places)
     unknown = 1 + (drag is None) + (shift is None)
     distinct = len(np.unique(drags.positions))
     if distinct < unknown:
         raise ResultError(
-            f"{distinct} positions with a drag without findings; must be {unknown} or "
+            f"{distinct} positions have a drag without findings; must be {unknown} or "
             f"more to fit {unknown} unknowns"
         )
     fit = _Fit(drags, float(places.min()), radius, shift, drag)
@@ -196,7 +196,11 @@ def find_wall(
     free = shift is None and not shift_error < _UNSURE_SHIFT * of_shift
     if free or not errors.min() < _UNCERTAIN * (distances.min() - radius):
         findings.append(
-            Finding("undetermined", "the drags do not determine the position of the wall")
+            Finding(
+                "undetermined",
+                "the drags do not determine the wall position accurately; record at smaller gaps, "
+                "or give the focal shift",
+            )
         )
     if p_value is not None and p_value < REFUTED:
         findings.append(Finding("apart", "the drags are inconsistent with one bead above one wall"))
@@ -240,7 +244,8 @@ class _Drags:
         ]  # fmt: skip
         if not rows:
             raise ResultError(
-                "no recording determines the drag; they are in volts, or have findings"
+                "no recording determines the drag: each is in volts without a drive, or has "
+                "findings; record in metres or with a driven stage"
             )
         at, axes, drags, errors, names = zip(*rows, strict=True)
         return cls(

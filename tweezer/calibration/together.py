@@ -32,7 +32,7 @@ class Together:
     recordings: tuple[str, ...]
     """names of the recordings that the mean includes"""
     p_value: float | None
-    """probability of values that differ at least as much, by chi-square"""
+    """p-value for the same true value in all recordings (chi-square test)"""
     findings: tuple[Finding, ...]
     """reasons why there is no mean"""
 

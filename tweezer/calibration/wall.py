@@ -15,7 +15,7 @@ ACROSS = "z"
 
 @dataclass(frozen=True)
 class Height:
-    """Height of a bead's centre above a wall across the light."""
+    """Height of a bead's centre above a wall perpendicular to the beam."""
 
     distance: float
     """distance of the bead's centre from the wall, m"""

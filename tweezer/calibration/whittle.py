@@ -283,7 +283,11 @@ class WhittleFit:
 
     @cached_property
     def ratios(self) -> Array:
-        """(ordinates,) density over its expectation, at the single frequencies of the blocks."""
+        """(ordinates,) measured spectral density divided by the fitted one, at each frequency.
+
+        If the model is correct, the ratios are independent and exponentially distributed with mean
+        1. They are not averaged over the blocks of frequencies.
+        """
         part = self.periodogram
         frequencies, density = part.covered
         return density / self.bead.sampled_spectrum(frequencies, part.step, part.samples)

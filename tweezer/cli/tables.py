@@ -47,7 +47,7 @@ def print_table(cells: Table) -> None:
 
 
 def _with_signs(text: str) -> str:
-    """Return a text with the signs that the terminal has."""
+    """Return `text` with typographic characters such as "µm", if the terminal can display them."""
     return for_stream(text, OUT.file)
 
 

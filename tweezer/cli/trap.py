@@ -165,7 +165,9 @@ def tune(
     ] = None,
     duration: Annotated[
         str | None,
-        typer.Option(help='Duration compared, s or e.g. "1 ms". Default: that of SCENE.'),
+        typer.Option(
+            help='Duration of the compared runs, s or e.g. "1 ms". Default: simulation.duration of SCENE.'
+        ),
     ] = None,
     deviation: Annotated[
         str, typer.Option(help="Allowed deviation from the unscaled bead.")

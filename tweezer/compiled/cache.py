@@ -174,10 +174,12 @@ class _Cache(caching.FunctionCache):
 
 
 def cached_njit(signature: Any = None, **options: Any) -> Any:
-    """Compile a function as `numba.njit` does, and store the code in tweezer's cache.
+    """Return a decorator that compiles a function and stores the code in tweezer's cache.
 
-    With `signature`, the argument types, the function is compiled immediately. It is compiled again
-    if anything that it depends on changes, in any file (see `fingerprint`).
+    The function is compiled as by `numba.njit` with the same `options`. Later processes load the
+    stored code, unless anything that it depends on has changed, in any file (see `fingerprint`).
+    With `signature`, the argument types, the function is compiled or loaded immediately, otherwise
+    when it is first called.
     """
 
     def compiled(function: Callable[..., Any]) -> Any:

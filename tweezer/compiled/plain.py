@@ -23,7 +23,11 @@ from tweezer.compiled.fingerprint import name_by_values
 
 
 def cached_njit(signature: Any = None, **options: Any) -> Any:
-    """Compile a function with `numba.njit` and store it in Numba's cache."""
+    """Return a decorator that compiles a function with `numba.njit` and Numba's own cache.
+
+    With `signature`, the argument types, the function is compiled immediately, otherwise when it is
+    first called. `options` are options of `numba.njit`.
+    """
 
     def compiled(function: Callable[..., Any]) -> Any:
         name_by_values(function)
@@ -35,7 +39,10 @@ def cached_njit(signature: Any = None, **options: Any) -> Any:
 
 
 def named_njit(*, inner: bool = False, **options: Any) -> Any:  # noqa: ARG001
-    """Compile a function with `numba.njit`. Python may call it, even if `inner`."""
+    """Return a decorator that compiles a function with `numba.njit`, without a cache.
+
+    `inner` has no effect here: Python may call the function in any case.
+    """
 
     def compiled(function: Callable[..., Any]) -> Any:
         name_by_values(function)

@@ -171,7 +171,11 @@ def last_fall(value: Value, times: Array, tolerance: float = 0.0) -> float:
 
 
 class Passage(NamedTuple):
-    """Quantities of a motion between output times, or their errors; NaN if undefined."""
+    """Extreme values of a motion, from its dense output; also used for their errors.
+
+    The values are searched on the whole path, not only at the times of the samples. A value that is
+    undefined, such as a gap without a wall, is NaN.
+    """
 
     largest_speed: float
     """largest speed, m/s"""

@@ -63,10 +63,10 @@ class Problem:
     walls: tuple[Force, ...] = ()
     """forces of the walls"""
     others: tuple[Force, ...] = ()
-    """forces beside those of the scene"""
+    """forces in addition to those of the scene"""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Return how to bind the scene again in another process, which has addresses of its own."""
+        """Return a call that binds the scene in another process, where addresses differ."""
         return bound_once, (self.scene, self.others)
 
     @functools.cached_property
@@ -82,12 +82,12 @@ class Problem:
 
     @property
     def walls_apart(self) -> tuple[Force, ...]:
-        """Forces of walls without contact, for a bead that touches no wall."""
+        """Forces of the walls except the contact forces, for a bead that touches no wall."""
         return tuple(each for each in self.walls if not isinstance(each, Contact))
 
     @property
     def beside_the_light_apart(self) -> tuple[Force, ...]:
-        """Forces of walls without contact, and the user's own forces."""
+        """Forces of the walls except the contact forces, and the user's own forces."""
         return *self.walls_apart, *self.others
 
     @property
@@ -368,13 +368,14 @@ class Problem:
         return nearest_stable(self.equilibria(self.net_force))
 
     def changed(self, **simulation: Any) -> Problem:
-        """Return this problem with other keys of the scene's `simulation`."""
+        """Return a copy of this problem, with these values for keys of the scene's `simulation`."""
         return dataclasses.replace(self, scene=self.scene.replace(simulation=simulation))
 
     def remembering(self, poles: int) -> Problem:
-        """Return this problem in a fluid with memory, by a number of poles.
+        """Return a copy of this problem in a fluid with hydrodynamic memory of `poles` poles.
 
-        The distance of loss is reduced so that a bead is lost where it comes too near a wall.
+        The loss distance is reduced if necessary, so that the bead counts as lost before it comes
+        so close to a wall that this memory does not apply.
         """
         sections: dict[str, Any] = {"medium": {"inertia": "memory", "poles": poles}}
         if self.scene.free_of_walls < self.scene.simulation.loss_distance:
@@ -382,7 +383,7 @@ class Problem:
         return self.decided(**sections)
 
     def decided(self, **sections: Any) -> Problem:
-        """Return this problem with values, by section, for keys that the scene left open."""
+        """Return a copy of this problem, with values by section for keys that the scene omits."""
         return dataclasses.replace(self, scene=self.scene.decided(**sections))
 
 

@@ -44,7 +44,10 @@ def compiling_beside(scene: Scene) -> Iterator[None]:
     process: subprocess.Popen[bytes] | None = None
 
     def start(compiling: Compilation) -> None:
-        """Start the second process once compiling has taken `_WORTH`."""
+        """Start the second process if compilation has already taken longer than `_WORTH` seconds.
+
+        It is started only once. `compiling` gives the time that this process has spent compiling.
+        """
         nonlocal process
         if process is None and compiling.seconds > _WORTH:
             shared.share(folder)

@@ -54,7 +54,8 @@ _STEPS_AT_ONCE = 2**17
 class Walk:
     """Brownian motion of a scene's bead with fixed steps, ready to run.
 
-    Random numbers are functions of the seed, the trajectory and the step.
+    Each random number is a function of the seed, the index of the trajectory and the index of the
+    step, so a trajectory does not depend on how many others are computed or in which order.
     """
 
     problem: Problem
@@ -135,7 +136,7 @@ class Walk:
         return self.problem.equilibrium
 
     def start(self, trajectories: Integers) -> Array:
-        """States at times[0] of the trajectories of numbers (n,): (n, layout.width).
+        """Return the states (n, layout.width) at times[0] of the trajectories with these indices.
 
         The time of loss is infinite for a bead that is not lost.
         """
@@ -188,9 +189,9 @@ class Walk:
     def _memory(self, drawn: Array, v: Array, *, thermal: bool) -> tuple[Array, Array]:
         """Return initial displacements (n, 3), m, and hidden variables (3, k, n) in equilibrium.
 
-        `drawn` (n, 9 + hidden) are normal random numbers, a row for each bead. The hidden variables
-        reproduce the initial velocities `v` (n, 3), m/s. If `thermal`, velocities are drawn and `v`
-        is ignored.
+        `drawn` (n, 9 + hidden) contains standard normal random numbers, with one row for each bead.
+        The hidden variables reproduce the initial velocities `v` (n, 3), m/s. If `thermal`,
+        velocities are drawn and `v` is ignored.
         """
         of_step, n = self.weights.memory, len(drawn)
         place, hidden = drawn[:, _DRAWN.at("position")], drawn[:, _DRAWN.width :]
@@ -400,7 +401,7 @@ class Walk:
 
 
 def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
-    """Return the Brownian motion of the bead of `scene`, with random numbers of a seed.
+    """Return the Brownian motion of the bead of `scene`, with the random numbers of a seed.
 
     A scene that names no model gets `full`, whose inertia is exact at any step, and the method
     "auto" becomes exponential Heun. Steps are equal and divide the time between samples. They are

@@ -114,7 +114,11 @@ class Plan:
 
     @property
     def cuts(self) -> list[int]:
-        """Number of the first sample of each window, followed by the number of all samples."""
+        """Boundaries between windows of samples, at which the statistics are accumulated.
+
+        These are the index of the first sample of each window, also of the windows in the skipped
+        part, followed by the total number of samples.
+        """
         end = len(self.times)
         before = range(0, self.skipped, WINDOW)
         within = range(self.skipped, end - self.window + 1, self.window)

@@ -15,11 +15,13 @@ from tweezer.values.arrays import Array
 
 @dataclass(frozen=True, eq=False)
 class Resisted(Force):
-    """Force and moment that give, with constant mobilities, the velocities of a drag by place.
+    """Equivalent force and torque, for methods that assume constant mobilities.
 
-    The drag makes of the force F(x), the weight and the moment a velocity and an angular velocity
-    (`derivation.drag`). This force is the velocity over the constant mobility of each axis, and its
-    moment the angular velocity over that of each axis.
+    The force F(x), the weight and the torque give a bead a velocity and an angular velocity, which
+    follow from the mobilities at its position (`derivation.drag`). The equivalent force is this
+    velocity divided by the constant mobility along each axis, and the equivalent torque is the
+    angular velocity divided by the constant mobility about each axis. With constant mobilities, the
+    equivalent force and torque therefore cause the correct velocities.
     """
 
     force: Force
@@ -37,7 +39,7 @@ class Resisted(Force):
         return (self.force,)
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
-        """Return the compiled kernel and its data: force, drag, weight and reference mobilities."""
+        """Return the compiled kernel and its data: force, drag, weight and constant mobilities."""
         return _add_resisted, packed(
             bound(self.force, gradient=gradient), self.drag.part, self.weight, self.reference
         )
@@ -45,9 +47,9 @@ class Resisted(Force):
 
 @cached_njit(error_model="numpy", nogil=True)
 def _add_resisted(pose, data, wrench):  # type: ignore[no-untyped-def]
-    """Kernel of `Resisted`: add equivalent forces, moments and their gradients to `wrench`.
+    """Kernel of `Resisted`: add equivalent forces, torques and their gradients to `wrench`.
 
-    Entries of the data: force, drag, weight (3,) N, and reference mobilities (6,).
+    Entries of the data: force, drag, weight (3,) N, and constant mobilities (6,).
     """
     drag, weight, reference = part(data, 1), vector(data, 2), vector(data, 3)
     n, gradients = len(pose.time), len(wrench.force_gradient)
@@ -73,11 +75,11 @@ def _add_resisted(pose, data, wrench):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _respond(mobility, force, moment, reference, out, turning):  # type: ignore[no-untyped-def]
-    """Add to a force and a moment the velocities of a bead over the reference mobilities.
+    """Add the velocities of a bead, divided by the constant mobilities, to a force and a torque.
 
     `mobility` (5,) are mobilities or their derivatives. `force` and `moment` (3,) act on the bead
     (N and N m), and `reference` (6,) are constant mobilities along and about the axes. `out` and
-    `turning` (3,) are the equivalent force and moment.
+    `turning` (3,) are the equivalent force and torque, to which this adds.
     """
     along, across = mobility[0], mobility[1]
     turn, spin, roll = mobility[2], mobility[3], mobility[4]

@@ -42,7 +42,7 @@ def open_numpy(path: Path) -> Table:
             return table_of_arrays(str(path), dict(arrays))
     with path.open("rb") as file:
         if file.read(len(_NPY)) != _NPY:
-            raise ValueError("its beginning is another")
+            raise ValueError("does not begin with the bytes of the .npy format")
     array = np.load(path, mmap_mode="r", allow_pickle=False)
     if array.dtype.names:
         return table_of_arrays(str(path), {name: array[name] for name in array.dtype.names})

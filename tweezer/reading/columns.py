@@ -98,17 +98,17 @@ def read(table: Table, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
     )
     lengths = {name: len(each) for name, each in values.items()}
     if len(set(lengths.values())) > 1:
-        told = " and ".join(f"{each:,} of {name}" for name, each in lengths.items())
+        told = " and ".join(f"{each:,} values of {name}" for name, each in lengths.items())
         raise ResultError(
-            f"{table.name}: has {told}; must have equal numbers; name columns of the same length "
-            "by --columns"
+            f"{table.name}: columns have different lengths: {told}; choose columns of the same "
+            "length with --columns"
         )
     values = {name: factors[name][0] * each for name, each in values.items()}
     chosen = [table.columns[place.column] for place in places.values()]
     notes = dict.fromkeys(column.note for column in chosen)
     steps = {column.step for column in chosen if column.step is not None}
     if len(steps) > 1:
-        raise ResultError(f"{table.name}: {', '.join(values)}: must have one rate")
+        raise ResultError(f"{table.name}: {', '.join(values)}: have different rates; must be equal")
     if beside is not None:
         notes[_said_by_times(table, reading, wanted, values["frame"], beside)] = None
     found = {}
@@ -226,8 +226,8 @@ def _beads(
         if len(labels) != length:
             if chosen:
                 raise ResultError(
-                    f"{table.name}: has {length:,} positions and {len(labels):,} names of beads; "
-                    "must have as many"
+                    f"{table.name}: has {length:,} positions and {len(labels):,} bead names; must "
+                    "be equal"
                 )
             continue
         distinct = [each for each in dict.fromkeys(labels.tolist()) if each]
@@ -395,8 +395,8 @@ def _place(table: Table, chosen: Chosen) -> _Place:
         index = chosen.place
     else:
         raise ResultError(
-            f"{table.name}: has {len(table.columns)} columns; there is no number "
-            f"{chosen.place + 1} for {chosen.quantity}"
+            f"{table.name}: {chosen.quantity}={chosen.place + 1}: the table has only "
+            f"{len(table.columns)} columns"
         )
     column = table.columns[index]
     units = unit, understood(column.heading).unit, column.unit

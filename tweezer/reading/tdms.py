@@ -29,7 +29,7 @@ def open_tdms(path: Path) -> Table:
         ) from None
     with path.open("rb") as file:
         if file.read(len(_BEGINNING)) != _BEGINNING:
-            raise ValueError("its beginning is another")
+            raise ValueError(f"does not begin with the bytes {_BEGINNING.decode()}")
     columns, places = [], []
     with _silent():
         read = TdmsFile.read_metadata(path)

@@ -42,7 +42,7 @@ class Run:
                     f"not a run: no {name} over time; select a part of a run by a slice"
                 )
         if not dataset.sizes["time"]:
-            raise ResultError("a run without a sample")
+            raise ResultError("a run without samples; must have at least one time")
         parts: dict[Any, Any] = {
             name: (each.dims, each.values, each.attrs) for name, each in dataset.variables.items()
         }

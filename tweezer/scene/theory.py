@@ -98,17 +98,17 @@ def largest_wavenumber(medium: Medium, beams: Sequence[Beam]) -> float:
 
 def no_waves(optics: Optics, beams: Sequence[Beam]) -> str | None:
     """Return the reason why wave optics does not apply to a scene; None if it does."""
-    return _first(_beyond_waves(optics, beams), "waves")
+    return _first(_beyond_waves(optics, beams), "ray")
 
 
 def no_rays(bead: Bead, lens: Lens, beams: Sequence[Beam]) -> str | None:
     """Return the reason why ray optics does not apply to a scene; None if it does."""
-    return _first(_beyond_rays(bead, lens, beams), "rays")
+    return _first(_beyond_rays(bead, lens, beams), "wave")
 
 
 def _first(beyond: Iterator[str], theory: str) -> str | None:
-    """Return a sentence on the first setting that a theory excludes; None without one."""
-    return next((f"{what} has no meaning as {theory}" for what in beyond), None)
+    """Return which theory the first of these settings requires; None without a setting."""
+    return next((f"{what} requires {theory} optics" for what in beyond), None)
 
 
 def _beyond_waves(optics: Optics, beams: Sequence[Beam]) -> Iterator[str]:
@@ -131,7 +131,7 @@ def _beyond_rays(bead: Bead, lens: Lens, beams: Sequence[Beam]) -> Iterator[str]
     if bead.shape != "sphere":
         yield f"bead.shape = {bead.shape!r}"
     if len(bead.shells) > 1:
-        yield f"bead.layers of {len(bead.shells)}"
+        yield f"bead.layers ({len(bead.shells)} layers)"
     if bead.absorbs:
         yield f"bead.refractive_index = {bead.index:.6g}"
     if lens.cover is not None:

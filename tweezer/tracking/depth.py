@@ -106,7 +106,7 @@ class Minimum:
 
 @dataclass(frozen=True)
 class Parameter:
-    """Value of a quantity that was fitted besides the depth."""
+    """Value of a quantity that was fitted in addition to the depth."""
 
     name: str
     """"noise", "power" (through the pupil), "radius", "scaling_factor" or "release\""""
@@ -133,14 +133,14 @@ class DepthFit(Shown):
     scene: str
     """name of the scene"""
     z: float
-    """m, initial z of largest likelihood"""
+    """m, initial z with the largest likelihood"""
     intervals: tuple[tuple[float, float], ...]
     """m, ends of the pieces of the 95 % confidence interval of z, by profile likelihood"""
     determined: bool
-    """whether the interval is one piece, shorter than half the search and not at its ends, the
-    profile has no jumps near it, and the residuals are white"""
+    """whether z is determined: the interval is one piece, shorter than half the search range and
+    not at its ends, the profile has no jumps near it, and the residuals are white"""
     statement: str
-    """sentence about what the track determines, and the doubts about it"""
+    """sentence on what the track determines, with the findings against it"""
     minima: tuple[Minimum, ...]
     """minima of the misfit, best first"""
     noise: float
@@ -150,16 +150,16 @@ class DepthFit(Shown):
     search: tuple[float, float]
     """m, range of initial z that was searched"""
     start_time: float
-    """s, time of the first frame with both coordinates, at whose beginning the bead was at z"""
+    """s, time of the first frame with both coordinates; the bead was at z when this frame began"""
     frames: int
     """number of frames"""
     outliers: int
-    """number of coordinates that are outliers with a probability above 1/2"""
+    """number of coordinates with a probability above 1/2 of being outliers"""
     p_value: float
-    """probability of residuals that deviate as much or more from white noise"""
+    """p-value of the residuals, for white noise"""
     profile: tuple[tuple[float, float], ...]
-    """pairs of an initial z, m, and the smallest -2 log(likelihood) there over the other fitted
-    quantities; without z from which no motion can be followed"""
+    """pairs of an initial z, m, and -2 log(likelihood) minimised over the other fitted quantities;
+    z for which the motion cannot be computed are omitted"""
     path: Filtered | None = None
     """filtered track at the best fit; None if loaded from a file of `tweezer fit-depth --out`"""
 
@@ -199,32 +199,34 @@ def fit_depth(
 ) -> DepthFit:
     """Return the initial z of a bead from a track of x and y, by maximum likelihood.
 
-    The track is assumed to have x and y from the axis of the light, with white noise that is equal
-    in both. The scene is known except for the fitted quantities. With the scaled model (4.17) the
-    bead begins with the scene's velocity. With any other model it has no inertia (5.2), which moves
-    it by less than a camera resolves. Hydrodynamic memory is left out. It delays a bead in water,
-    so that z of the thesis's beads is found 10 to 25 nm too far from the trap, 0.1 to 0.4 standard
-    uncertainties. Beside a wall the bead has the mobilities at its position, and no inertia. The
-    force comes from the map, which reaches to 20 radii, or with wave optics to 5 radii and 10
-    wavelengths in the medium. For linear polarisation it comes from the quadrature.
+    The coordinates x and y of the track are distances from the beam axis, and both contain white
+    noise of the same magnitude. The scene is assumed to be known except for the fitted quantities.
+    With the scaled model (4.17) the bead begins with the scene's velocity. With any other model its
+    inertia is neglected (5.2), because its effect is below the resolution of a camera. Hydrodynamic
+    memory is neglected too. It delays a bead in water, so that the z of the thesis's beads is found
+    10 to 25 nm too far from the trap, 0.1 to 0.4 standard uncertainties. Beside a wall the
+    mobilities at the position of the bead are used, without inertia. The force comes from a force
+    map, which extends to 20 radii, or with wave optics to 5 radii and 10 wavelengths in the medium.
+    For linear polarisation it comes from the quadrature.
 
-    The likelihood comes from a Kalman filter (`tweezer.tracking.filter`), because thermal motion
-    accumulates and residuals about the motion without it are not independent. The filter assumes a
-    force that is linear over the spread of possible positions. If this spread exceeds about a
-    radius, as it can with the inertia of the scaled model, the likelihood means little, and the
-    statement reports it. Initial x and y are averaged over. A coordinate may be an outlier, with
-    the probability density 0.01 over the extent of the track (`Camera.outliers`).
+    The likelihood comes from a Kalman filter (`tweezer.tracking.filter`). A comparison with the
+    motion without thermal noise would not suffice: thermal displacements accumulate, so its
+    residuals are correlated. The filter assumes that the force is linear over the spread of
+    possible positions. If this spread exceeds about a radius, as it can with the inertia of the
+    scaled model, the likelihood is unreliable, and the statement reports this. The likelihood is
+    averaged over initial x and y. A coordinate may be an outlier, with the probability density 0.01
+    over the extent of the track (`Camera.outliers`).
 
-    The misfit, -2 log(likelihood), is minimised over the other fitted quantities at 81 values of z,
-    and within its minima. Up to 80 more values are added where it jumps by more than 7.7 near its
-    smallest value, down to 1/32 of the initial distance. At each z, the search begins at many
-    values of the fitted quantities and at the best values for neighbouring z, until none of them
-    improves (`tweezer.tracking.profile`). An initial z from which no motion can be followed is
-    impossible.
+    The misfit, -2 log(likelihood), is minimised over the other fitted quantities at 81 values of z.
+    Its minima in z are then refined. Where the misfit jumps by more than 7.7 near its smallest
+    value, up to 80 more values of z are added, with distances down to 1/32 of the initial distance.
+    At each z, the search begins at many values of the fitted quantities and at the best values for
+    neighbouring z, until none of them improves (`tweezer.tracking.profile`). An initial z for which
+    the motion cannot be computed is excluded.
 
-    The confidence interval contains the starts whose misfit is less than 3.84 above the minimum
-    (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938)), so it may be in several pieces or open. It does
-    not determine z in any of these cases:
+    The confidence interval contains each initial z whose misfit is less than 3.84 above the minimum
+    (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938)), so it may be in several pieces or open. The track
+    does not determine z in any of these cases:
 
     * A jump remains at an end of the interval, or a fit near it has not converged.
     * Power, radius or scaling factor reaches an end of its range within the interval (1/4 to 4, 1/2
@@ -246,8 +248,9 @@ def fit_depth(
         of the track are the middles of the exposures, and z applies to the beginning of the first
         one. Default: the exposure of the camera of a run of tweezer, otherwise 0.
     search : array_like, shape (2,), optional
-        Range of initial z, m from the focus. Default: three quarters of the map to both sides, up
-        to a wall: 15 radii, or with wave optics about 4 radii and 7 wavelengths in the medium.
+        Range of initial z, m from the focus. Default: three quarters of the range of the force map
+        on both sides, but not beyond a wall. This is 15 radii, or with wave optics about 4 radii
+        and 7 wavelengths in the medium.
     fit : sequence of str
         Further unknown quantities: "power", "radius", "scaling_factor" (a2 of the scaled model) and
         "release" (the time until which the bead is held; the first frame if not fitted).
@@ -262,12 +265,12 @@ def fit_depth(
     Raises
     ------
     ResultError
-        For a source that `load_track` refuses, without a scene, for an invalid noise, exposure,
-        search or name in `fit`, and for one that is impossible beside a wall.
+        For a source that `load_track` refuses, a missing scene, an invalid noise, exposure, search
+        or name in `fit`, and a name in `fit` that is not available beside a wall.
     SceneError
         For more than one beam, and for the scaled model beside a wall.
     IntegrationError
-        If the motion cannot be followed from any initial z.
+        If the motion cannot be computed from any initial z.
     """
     track = source if isinstance(source, Track) else load_track(source)
     scene = track.scene if scene is None else checked_scene(scene)

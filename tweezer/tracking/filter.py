@@ -1,7 +1,7 @@
-"""Kalman filter of a bead in the light, of which a camera records two or three coordinates.
+"""Kalman filter for a bead in the light, two or three coordinates of which a camera records.
 
-Between two frames the bead moves by an emitted model of its translation and thermal noise, without
-inertia (5.2) or with it (A.25, 4.17):
+Between two frames the bead moves according to an emitted model of translation with thermal noise,
+without inertia (5.2) or with it (A.25, 4.17):
 
     dx = u dt + sqrt(2 D) dW,    or    dx = (w/tau) dt,  dw = (u(x) - w/tau) dt + sqrt(2 D) dW,
 
@@ -23,16 +23,16 @@ Stochastic Processes and Filtering Theory, 1970, 8.3). Steps are made by the exp
 method of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer, SIAM J. Numer. Anal. 47, 786 (2009)).
 Its exponentials are computed by doubling the step, so a linear force is exact over any step. The
 force is not linear over more than about a radius. A distribution as wide as that is not Gaussian,
-and the likelihood of later frames is unreliable. A narrower one becomes skew if the bead falls far
-between two frames; it is then widened to its longer tail (`_predict`).
+and the likelihood of later frames is unreliable. A narrower distribution becomes skew if the bead
+moves far between two frames; it is then widened to its longer tail (`_predict`).
 
 A frame shows the mean of the position over its exposure T (motion blur). The state is therefore
 extended by the integral of the position over T, dI = x dt/T, which is 0 when a frame begins.
 Without exposure a frame shows the position itself.
 
-A recorded coordinate is that of the bead with Gaussian noise or, with a small probability, an
-outlier. The state is corrected in proportion to the probability that it is not an outlier
-(Y. Bar-Shalom and E. Tse, Automatica 11, 451 (1975)).
+A recorded coordinate is the coordinate of the bead plus Gaussian noise or, with a small
+probability, an outlier. The state is corrected in proportion to the probability that it is not an
+outlier (Y. Bar-Shalom and E. Tse, Automatica 11, 451 (1975)).
 """
 
 from __future__ import annotations

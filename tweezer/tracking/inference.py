@@ -60,7 +60,7 @@ class FittedKey:
     unit: str
     """SI unit of `value`; "" for a number"""
     value: float
-    """value of largest likelihood"""
+    """value with the largest likelihood"""
     uncertainty: float | None
     """standard uncertainty: length of the interval over 3.92; None if `determined` is False"""
     interval: tuple[float | None, float | None]
@@ -69,8 +69,8 @@ class FittedKey:
     determined: bool
     """whether both ends are finite, the fit has converged and the residuals agree with the scene"""
     profile: tuple[tuple[float, float], ...]
-    """pairs of a value of the key and the smallest -2 log(likelihood) there over the other keys,
-    less the smallest of all"""
+    """pairs of a value of the key and -2 log(likelihood) minimised over the other keys, less the
+    overall minimum"""
 
     @property
     def told(self) -> tuple[str, str]:
@@ -98,11 +98,11 @@ class SceneFit(Shown):
     frames: int
     """number of frames in all recordings"""
     p_value: float
-    """probability of spectra that deviate as much or more from those of the scene"""
+    """p-value of the spectra, for the fitted scene"""
     likelihood: str
-    """words for the fitted spectra: frequencies, sampling intervals and inertia"""
+    """description of the fitted spectra: frequencies, sampling intervals and inertia"""
     statement: str
-    """sentences about which keys the recordings determine, and the doubts about them"""
+    """sentences on which keys the recordings determine, with the findings against them"""
 
     @property
     def determined(self) -> bool:
@@ -140,9 +140,9 @@ def fit(
     The likelihood is the Whittle likelihood of each coordinate's whitened power spectrum (P.
     Whittle, Ark. Mat. 2, 423 (1953)). The expected spectrum includes inertia, hydrodynamic memory,
     aliases, motion blur and the noise of the camera, without approximation
-    (`TrappedBead.sampled_spectrum`). Its stiffness and drag are means over the thermal motion in
-    the scene's force (statistical linearisation), which is right to first order in the anharmonic
-    part of the trap. A statement says where the second order may matter.
+    (`TrappedBead.sampled_spectrum`). Stiffness and drag are averaged over the thermal motion in the
+    scene's force (statistical linearisation). This is correct to first order in the anharmonic part
+    of the trap. The statement reports if the second order may matter.
 
     The bead is in equilibrium in the trap throughout. Its position in the recording is unknown, so
     the mean of each coordinate is subtracted. The coordinates are treated as independent.
@@ -150,40 +150,41 @@ def fit(
     Parameters
     ----------
     recordings : Recording, dataset, path or a sequence of them
-        One or several recordings of the same scene, or what `load_recording` takes, with x, x and
+        One or several recordings of the same scene, or sources for `load_recording`, with x, x and
         y, or all three coordinates.
     scene : Scene, optional
         Bead, medium and light, with the first guesses of the free keys, and `camera` for exposure
-        and noise. The default is the scene of a run. Without a camera the exposure and noise are
-        those of the recording, or zero. The inertia is what its `simulation.model` and
-        `medium.inertia` name; what they leave open is the inertia of the bead and the memory of the
-        fluid. A run of tweezer has the inertia that it was made with.
+        and noise. Default: the scene of a run. Without a camera, exposure and noise come from the
+        recording, or are zero. `simulation.model` and `medium.inertia` select the inertia. By
+        default, the inertia of the bead and hydrodynamic memory are included. A run of tweezer is
+        fitted with the inertia with which it was simulated.
     free : sequence of str
         Keys of the scene, such as "bead.diameter", "beam.power", "medium.viscosity" or
         "camera.noise".
     forces : sequence of Force or str, optional
-        The user's own forces, beside those of the scene (`tweezer.forces`). They do not depend on
-        the free keys. Text names a force in a Python file, such as "handles.py:spring".
+        Your own forces, in addition to the scene's (`tweezer.forces`), or the name of a force in a
+        Python file, "handles.py:spring". They must not depend on the free keys.
     progress : callable, optional
-        Called with the part done, 0 to 1.
+        Called with the completed fraction.
 
     Returns
     -------
     SceneFit
-        Values with 95 % confidence intervals: values whose least misfit, -2 log(likelihood), over
-        the other keys is less than 3.84 above the least (S. S. Wilks, Ann. Math. Stat. 9, 60
-        (1938)). The minimum is the lowest of those reached from the best eight of 16 places about
-        the guesses, up to a factor of 5 or 5 radii from them. Keys that the likelihood does not
-        distinguish are named, and so are other minima up to 15 above the least. The p-value is that
-        of Bartlett's test of the spectra, and of their size.
+        Values with 95 % confidence intervals. An interval contains the values for which the misfit,
+        -2 log(likelihood), minimised over the other keys, is less than 3.84 above its minimum (S.
+        S. Wilks, Ann. Math. Stat. 9, 60 (1938)). The search starts at the best eight of 16 points,
+        up to a factor of 5 or 5 radii from the first guesses. The statement names keys that the
+        likelihood cannot distinguish, and other minima up to 15 above the lowest. The p-value
+        combines Bartlett's test of the spectra with a test of their magnitude.
 
     Raises
     ------
     ResultError
-        For what `load_recording` refuses, without a scene, for voltages, for a camera of another
-        rate, for a recording that begins before the bead has settled, and where no bead is trapped.
+        For a source that `load_recording` refuses, a missing scene, voltages, a camera with another
+        rate, a recording that begins before the bead has settled, and a scene that does not trap
+        the bead.
     SceneError
-        For keys that are no quantities of the scene, and for light that changes in time.
+        For keys that are not quantities of the scene, and for light that changes in time.
     """
     loaded = _loaded(recordings)
     scene = loaded[0].scene if scene is None else checked_scene(scene)

@@ -1,9 +1,10 @@
 """Profile likelihood: the smallest misfit over all other parameters, as a function of one
 coordinate.
 
-The misfit is smooth except for jumps from the steps of an integration. It may have many minima, and
-may be infinite (impossible). Therefore a scan of many trials comes first. Newton's method then
-finds the minima, starting at each place of the scan and from the minima of its neighbours.
+The misfit is smooth except for jumps, which occur where the number of integration steps changes. It
+may have many minima, and it is infinite for impossible parameters. Therefore many trial values are
+scanned first. Newton's method then finds the minimum at each point of the scan, starting from the
+best trial and from the minima at the neighbouring points.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ class Likelihood(Protocol):
 
     @property
     def unit(self) -> float:
-        """Unit of z in a fit of z and p together, m."""
+        """Length by which z is divided in a simultaneous fit of z and p, m."""
 
     @property
     def bounds(self) -> Array:
@@ -89,7 +90,7 @@ class Fit(NamedTuple):
 
 
 def descend(misfit: Misfit, begin: Array, bounds: Array, steps: Array) -> Fit:
-    """Return the minimum of a misfit that Newton's method reaches.
+    """Return the minimum of a misfit that Newton's method reaches from a given point.
 
     Derivatives are central differences over lengths in which the misfit rises by about 1. The
     absolute values of the curvature's eigenvalues are used, so the step descends (J. Nocedal and S.
@@ -172,10 +173,11 @@ def _newton_step(at: Array, slope: Array, curvature: Array, bounds: Array, longe
 
 
 class Profile:
-    """Smallest misfit over p as a function of z, at the places computed so far.
+    """Profile of the misfit: its minimum over the parameters p, as a function of z.
 
-    Its arrays have one row for each place, in the order of z: `places` (z, m), `values` (smallest
-    misfit), `nuisances` (the p that gives it) and `converged` (whether its search ended there).
+    The arrays have one row for each point, in ascending order of z: `places` (z, m), `values` (the
+    minimum of the misfit), `nuisances` (the p at the minimum) and `converged` (whether the search
+    converged).
     """
 
     def __init__(
@@ -184,7 +186,7 @@ class Profile:
         search: tuple[float, float],
         progress: Callable[[float], None] | None,
     ) -> None:
-        """Scan the range `search` of z, m, omitting places where the motion cannot be computed.
+        """Scan the range `search` of z, m, omitting points where the motion cannot be computed.
 
         `progress`, if given, is called with the completed fraction.
         """
@@ -206,7 +208,7 @@ class Profile:
         self.nuisances, self.converged = self.nuisances[followed], self.converged[followed]
 
     def _try(self, progress: Callable[[float], None]) -> None:
-        """Evaluate all trial values of p at each place, and keep the best at each."""
+        """Evaluate all trial values of p at each point, and keep the best."""
         trials = self._likelihood.trials
         for done, p in enumerate(trials, 1):
             for i, z in enumerate(self.places):
@@ -222,9 +224,9 @@ class Profile:
         return descend(lambda p: known.misfit(z, p), begin, known.bounds, known.steps[1:])
 
     def _follow(self, progress: Callable[[float], None]) -> None:
-        """Find the minimum at each place from its best trial, then from its neighbours' minima.
+        """Find the minimum at each point from its best trial, then from its neighbours' minima.
 
-        Sweeps in both directions are repeated until no place improves by more than `_NOTHING`. The
+        Sweeps in both directions are repeated until no point improves by more than `_NOTHING`. The
         result never exceeds the minimum reached from the left or right neighbour.
         """
         new = np.zeros(_PLACES, dtype=bool)
@@ -249,23 +251,23 @@ class Profile:
         progress(1.0)
 
     def _take(self, i: int, found: Fit) -> None:
-        """Replace the fit at place number i if `found` is not worse."""
+        """Replace the fit at the point with index i if `found` is not worse."""
         if found.value <= self.values[i]:
             self.values[i], self.nuisances[i] = found.value, found.at
             self.converged[i] = found.converged
 
     def _sought(self, z: float) -> Fit:
-        """Return the better of the fits at z, m, that begin at the p of the adjacent places."""
+        """Return the better of the fits at z, m, that begin at the p of the adjacent points."""
         right = int(np.clip(np.searchsorted(self.places, z), 1, len(self.places) - 1))
         sides = [self._fitted(z, self.nuisances[i]) for i in (right - 1, right)]
         return min(sides, key=lambda fit: fit.value)
 
     def above(self, z: float) -> float:
-        """Return the misfit at z, m, minus the smallest of all places, without adding a place."""
+        """Return the profile at z, m, minus its smallest value; the arrays are unchanged."""
         return self._sought(z).value - float(self.values.min())
 
     def _add(self, z: float, found: Fit) -> None:
-        """Insert a place at z, m, with its fit, or improve the existing place there."""
+        """Insert a point at z, m, with its fit, or improve the existing point there."""
         i = int(np.searchsorted(self.places, z))
         if i < len(self.places) and self.places[i] == z:
             self._take(i, found)
@@ -277,15 +279,15 @@ class Profile:
 
     @property
     def lowest(self) -> NDArray[np.intp]:
-        """Numbers of the places with minima close to the smallest, including ends of the search."""
+        """Indices of the local minima close to the smallest, including ends of the range."""
         around = np.concatenate([[np.inf], self.values, [np.inf]])
         below = (self.values <= around[:-2]) & (self.values < around[2:])
         return np.flatnonzero(below & (self.values < self.values.min() + _HOPELESS))
 
     def joint(self, i: int) -> Fit:
-        """Return the minimum over z/unit and p together, reached from place number i.
+        """Return the minimum over both z/unit and p that is reached from the point with index i.
 
-        z stays between the neighbours of the place.
+        z stays between the neighbours of this point.
         """
         known = self._likelihood
         ends = self.places[[max(i - 1, 0), min(i + 1, len(self.places) - 1)]] / known.unit
@@ -296,16 +298,16 @@ class Profile:
         )  # fmt: skip
 
     def polish(self) -> None:
-        """Add the minima over z and p, which lie between the places of the scan."""
+        """Add the exact minima, which usually lie between the points of the scan."""
         for found in [self.joint(i) for i in self.lowest]:
             self._add(self._likelihood.unit * found.at[0], found._replace(at=found.at[1:]))
 
     def spread(self) -> Array:
         """Standard uncertainties of p, (n,): root mean square deviations from the best fit.
 
-        Each z has the probability that its misfit implies. The spread of p around the best fit at
-        each z follows from the curvature at the overall best fit. It is NaN if that is not positive
-        definite.
+        Each z is weighted with its likelihood. The spread of p around the best fit at each z
+        follows from the curvature at the overall best fit, and is NaN if this curvature is not
+        positive definite.
         """
         i = int(self.values.argmin())
         curvature = self._fitted(self.places[i], self.nuisances[i]).curvature
@@ -316,7 +318,7 @@ class Profile:
         return np.sqrt(squared + directions**2 @ inverse)
 
     def refine(self) -> None:
-        """Add places where the misfit jumps close to its minimum, in the widest gap first."""
+        """Add points where the profile jumps close to its minimum, in the widest gap first."""
         finest = float(np.diff(self.places).max()) / 2**_HALVINGS
         for _ in range(_MORE):
             gaps = np.diff(self.places) * self.jumps(JUMP)
@@ -327,7 +329,7 @@ class Profile:
             self._add(z, self._sought(z))
 
     def jumps(self, near: float) -> NDArray[np.bool_]:
-        """Return between which neighbours the misfit jumps and is within `near`, (places - 1,)."""
+        """Return where the profile jumps between neighbours, (places - 1,), and is below `near`."""
         lower = np.minimum(self.values[1:], self.values[:-1]) - self.values.min()
         return (np.abs(np.diff(self.values)) > JUMP) & (lower <= near)
 

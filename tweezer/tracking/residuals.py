@@ -12,7 +12,7 @@ _LAGS = 10
 
 
 def p_value(path: Filtered, *, sized: bool, fitted: int) -> float:
-    """Return the probability that white noise deviates at least as much as the residuals do.
+    """Return the p-value of residuals, under the hypothesis that they are white noise.
 
     The test uses the correlations of the residuals (G. M. Ljung and G. E. P. Box, Biometrika 65,
     297 (1978)). If `sized`, it also uses the sum of their squares, which has a chi-square

@@ -54,9 +54,9 @@ _AXES = ("x", "y", "z")
 
 
 class FreeKey:
-    """Free key of a scene, with its place q, the coordinate in which it is fitted.
+    """Free key of a scene, which is fitted in terms of a dimensionless coordinate, its place q.
 
-    The place is 0 for the value in the scene. For a quantity that is never negative, q is the
+    q is 0 for the value in the scene. For a quantity that is never negative, q is the
     logarithm of the ratio to that value. For others it is the difference in units of `unit`, which
     is the radius of the bead for a length, otherwise the magnitude of the scene's value.
     """
@@ -174,7 +174,9 @@ class Misfit:
         # a run keeps the inertia with which it was simulated, regardless of the fitted scene
         every = {Inertia.of(each.scene or scene) for each in recordings}
         if len(every) > 1:
-            raise ResultError("recordings: have different inertia; fit them separately")
+            raise ResultError(
+                "recordings: differ in simulation.model or medium.inertia; fit them separately"
+            )
         (self.inertia,) = every
         self.keys = [FreeKey(self._scene, key) for key in free]
         self.bounds = np.array([each.bounds for each in self.keys])
@@ -214,10 +216,13 @@ class Misfit:
             raise SceneError("beam: a fit requires forces that do not change in time")
         rest = nearest_stable(problem.equilibria(problem.net_force_apart))
         if rest is None:
-            return "the light holds no bead; change the first guesses"
+            return "the scene has no stable trap; change the first guesses of the free keys"
         mean = mean_spring(problem, rest)
         if mean is None:
-            return "thermal motion takes the bead out of the light; change the first guesses"
+            return (
+                "thermal motion removes the bead from the trap; change the first guesses of the "
+                "free keys"
+            )
         camera = scene.camera
         assert camera is not None
         mass, fluid = self.inertia.masses(scene)
@@ -254,7 +259,7 @@ class Misfit:
         return [_exposed(bound.beads[each.axis], each) for each in self.spectra]
 
     def p_value(self, q: Array) -> float:
-        """Return the probability that spectra of the scene at a place deviate at least as much."""
+        """Return the p-value of the spectra, for the scene at the place q."""
         pairs = zip(self.spectra, self.beads(q), strict=True)
         every = [each.p_value(bead) for each, bead in pairs]
         return min(len(every) * min(every), 1.0)
@@ -285,7 +290,7 @@ class Misfit:
     def least(self, begin: Array, fixed: int | None = None) -> Least:
         """Return the minimum that the Gauss-Newton method reaches from the place `begin` (n,).
 
-        `fixed` is the number of a key that keeps its place, or None if all keys are free.
+        `fixed` is the index of a key that keeps its place, or None if all keys are free.
         """
         free = np.arange(len(begin)) != fixed
 

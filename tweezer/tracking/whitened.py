@@ -60,7 +60,7 @@ class Whitened:
         return np.asarray(np.sign(ratio - 1) * np.sqrt(2 * self.periodogram.counts * above))
 
     def p_value(self, bead: TrappedBead) -> float:
-        """Return the probability that ordinates of this bead deviate at least as much.
+        """Return the p-value of the ordinates, for this bead.
 
         It is twice the smaller p-value of two tests. The first is Bartlett's test (Kolmogorov and
         Smirnov) of the cumulative periodogram. The second uses the sum of the ratios of ordinates

@@ -49,7 +49,10 @@ def _power(product: str) -> int:
     power = 0
     for each in product.split():
         if (match := _FACTOR.fullmatch(each)) is None:
-            raise ValueError(f"{each!r}: not a unit whose factor is known")
+            raise ValueError(
+                f"{each!r}: unknown unit; must be m, s, W, N, J, K, V, Pa, Hz or g with a prefix, "
+                "rad, 1 or a power of ten such as 10^-3"
+            )
         power += _POWERS.get(match["prefix"] or "", 0) * int(match["power"] or 1)
         power += int(match["ten"] or 0) - (3 if match["gram"] else 0)
     return power
@@ -70,18 +73,19 @@ def per(unit: str) -> float:
 
 
 def in_tables(unit: str) -> tuple[float, str]:
-    """Return the factor from an SI unit to the unit of tables and figures, and the name of that.
+    """Return the factor from an SI unit to the unit used in tables and figures, and its name.
 
-    A unit that is not in the table is not converted; "1" has no name.
+    A unit without a customary one is not converted. The name of "1" is empty.
     """
     name = _UNITS[unit][0] if unit in _UNITS else unit
     return per(name) if name != unit else 1.0, "" if name == "1" else name
 
 
 def usual_unit(size: float, unit: str) -> tuple[float, str]:
-    """Return the unit in which a magnitude is usually written as 1 to 1000, with its factor to SI.
+    """Return the factor to SI and the name of the customary unit for a magnitude.
 
-    `size` is the magnitude in the SI unit `unit`.
+    This is the largest customary unit in which the number is at least 1, for example "nm" for 5e-8
+    m and "um" for 5e-6 m. `size` is the magnitude in the SI unit `unit`.
     """
     units = FREQUENT.get(unit, {unit: 1.0})
     below = {name: each for name, each in units.items() if each <= abs(size) * (1 + 1e-9)}

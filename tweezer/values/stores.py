@@ -154,9 +154,9 @@ class _Array(_Part):
         if self._decoders not in known:
             return f"is encoded by {', '.join(self._decoders)}"
         if not len(self.shape) == len(self.chunks) == len(self.dimension_names):
-            return "has another number of dimensions than its chunks"
+            return "has inconsistent numbers of dimensions in its shape, chunks and dimension names"
         if any(each > max(size, 1) for size, each in zip(self.shape, self.chunks, strict=True)):
-            return "has chunks that are larger than it is"
+            return "has chunks that are larger than the array"
         return ""
 
 
@@ -317,13 +317,13 @@ def _files(path: Path) -> set[str]:
             for each in entries:
                 name = f"{folder}{each.name}"
                 if each.is_symlink():
-                    raise ResultError(f"{path}: {name} is a link; must be in the store itself")
+                    raise ResultError(f"{path}: {name} is a link; must be a file in the store")
                 if each.is_dir():
                     waiting.append(f"{name}/")
                 elif each.is_file():
                     found.add(name)
                 else:
-                    raise ResultError(f"{path}: {name} is a pipe or a device")
+                    raise ResultError(f"{path}: {name} is a pipe or a device; must be a file")
     return found
 
 
@@ -335,15 +335,20 @@ def _check_whole(path: Path, found: _Described) -> None:
     """
     total = sum(each.size for each in found.arrays.values() if each.compressed)
     if total > _MOST:
-        raise ResultError(f"{path}: declares {total:,} bytes; must be at most {_MOST:,}")
+        raise ResultError(f"{path}: its arrays have {total:,} bytes; must be at most {_MOST:,}")
     lost = found.arrays.get("lost_time")
     for name, array in found.arrays.items():
         blocks: list[int] | None = None
         if lost is not None and array.dimension_names[:1] == ("trajectory",):
             if array.fill_value != "NaN" or array.counts[0] != lost.counts[0]:
-                raise ResultError(f"{path}: not a result of tweezer: {name} is over other blocks")
+                raise ResultError(
+                    f"{path}: not a result of tweezer: {name} and lost_time have different numbers "
+                    "of blocks of trajectories"
+                )
             if lost.size > _MOST_LOST:
-                raise ResultError(f"{path}: declares {lost.size:,} bytes for the times of losses")
+                raise ResultError(
+                    f"{path}: lost_time has {lost.size:,} bytes; must be at most {_MOST_LOST:,}"
+                )
             ended = (each.removeprefix("lost_time/c/") for each in found.files)
             numbers = {int(each) for each in ended if each.isdecimal() and len(each) < 10}
             blocks = sorted(i for i in numbers if i < lost.counts[0])

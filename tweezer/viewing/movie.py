@@ -57,7 +57,9 @@ def programs() -> dict[str, str]:
     }
     missing = [name for name, path in found.items() if path is None]
     if missing:
-        raise ResultError(f"a film requires {' and '.join(missing)}, which cannot be found")
+        raise ResultError(
+            f"a film requires {' and '.join(missing)}, not found on PATH; install them"
+        )
     if importlib.util.find_spec("selenium") is None:
         raise ResultError('a film requires selenium; install it with pip install "tweezer[movie]"')
     return {name: path for name, path in found.items() if path is not None}
@@ -108,7 +110,7 @@ def film(
             said = writer.stderr.read().decode(errors="replace").strip()
         if writer.returncode:
             reason = said.splitlines()[-1] if said else "it failed"
-            raise ResultError(f"{path}: not written by ffmpeg: {reason}")
+            raise ResultError(f"{path}: ffmpeg could not write the film: {reason}")
         with replacing(path) as whole:
             whole.write(new.read_bytes())
     return path
@@ -130,7 +132,7 @@ def _pictures(page: Page, folder: Path, where: dict[str, str], count: int) -> It
     try:
         driver = webdriver.Chrome(options, webdriver.ChromeService(where["chromedriver"]))
     except WebDriverException as error:
-        raise ResultError(f"a film: the browser cannot be started: {error.msg}") from None
+        raise ResultError(f"a film requires Chromium, which does not start: {error.msg}") from None
     try:
         yield from frames(driver, source, count)
     finally:
@@ -148,7 +150,9 @@ def frames(driver: WebDriver, source: Path, count: int) -> Iterator[bytes]:
     ends = driver.execute_script("return window.tweezer?.duration")
     if not ends:
         title = driver.title.removesuffix(" · tweezer")
-        raise ResultError(f"{title}: a page without time cannot be filmed")
+        raise ResultError(
+            f"{title}: the page shows no change in time; a film requires a run or trajectories"
+        )
     first, last = ends
     for i in range(count):
         time = first + (last - first) * i / (count - 1)

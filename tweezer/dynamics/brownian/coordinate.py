@@ -31,9 +31,10 @@ def beyond_spring(x, ahead, u, u_ahead, kappa):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
 def relaxed(v, u, decay, by_u, noise):  # type: ignore[no-untyped-def]
-    """Return the velocity, or hidden variable, after a step in which it relaxes towards u.
+    """Return the velocity, or a hidden variable, after a step of its relaxation towards u.
 
-    The fraction `decay` of its initial value `v` is left. `by_u` is the weight of the slow velocity
-    `u` (m/s), and `noise` the random change.
+    The result is decay v + by_u u + noise. `v` is the value before the step, `decay` the fraction
+    of it that remains, `u` (m/s) the slow velocity, `by_u` its weight, and `noise` the random
+    change.
     """
     return decay * v + by_u * u + noise

@@ -63,13 +63,17 @@ def followed(s, tau):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def relaxed(s, tau, chi):  # type: ignore[no-untyped-def]
-    """Fill `chi` (NODES + 1,) with the functions chi_0 to chi_NODES at z = -s/tau.
+    """Fill `chi` (NODES + 1,) with the weights that give the displacement of a relaxing mode.
 
-        chi_m(z) = 1/m! - phi_m(z), with phi_0 = exp and phi_(m+1) = (phi_m - 1/m!)/z
+    `displacement` multiplies them by the initial velocity and by the powers of time in the slow
+    velocity. They are the functions chi_0 to chi_NODES at z = -s/tau,
 
-    s: time since the beginning of the step, s. tau: relaxation time of the mode, s. The recursion
-    runs upwards from the exponential for s > LONG tau. For shorter times it would lose digits by
-    cancellation, so the last function is summed as a series and the recursion runs downwards.
+        chi_m(z) = 1/m! - phi_m(z), with phi_0 = exp and phi_(m+1) = (phi_m - 1/m!)/z.
+
+    `s` is the time since the beginning of the step (s) and `tau` the relaxation time of the mode
+    (s). For s > LONG tau the recursion runs upwards from the exponential. For shorter times it
+    would lose digits by cancellation, so the last function is summed as a series and the recursion
+    runs downwards.
     """
     if s > LONG * tau:
         per = -tau / s

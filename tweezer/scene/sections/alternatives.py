@@ -52,7 +52,10 @@ FILLED = "filled in"
 
 
 class Filled(Section):
-    """Base of a section in which a scene fills in keys; these are omitted when it is written."""
+    """Base of a section with keys whose values the scene may fill in, for example from a material.
+
+    Values that were filled in are omitted when the section is written.
+    """
 
     _filled: frozenset[str] = PrivateAttr(frozenset())
 
@@ -64,7 +67,7 @@ class Filled(Section):
     @model_validator(mode="wrap")
     @classmethod
     def _some_filled_in(cls, data: Any, validated: ModelWrapValidatorHandler[Self]) -> Self:
-        """Record the keys that the scene has filled in, which the data list under `FILLED`."""
+        """Validate the section and record its filled-in keys, which `data` lists under `FILLED`."""
         if not isinstance(data, dict) or FILLED not in data:
             return validated(data)
         section = validated({key: value for key, value in data.items() if key != FILLED})
@@ -73,7 +76,7 @@ class Filled(Section):
 
     @model_serializer(mode="wrap")
     def _as_given(self, as_dict: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Return the section as a mapping without the keys that follow from others."""
+        """Return the section as a mapping, without the values that the scene has filled in."""
         said: dict[str, Any] = as_dict(self)
         return {key: value for key, value in said.items() if key not in self._unsaid()}
 
@@ -83,9 +86,9 @@ class Filled(Section):
 
 
 def with_half(data: Any, key: str, other: str, low: float, high: float) -> Any:
-    """Return data of a section in which a key replaces its alternative, which is twice as large.
+    """Return the data of a section with `key` set to half of `other`, if `other` is given.
 
-    Exactly one of the two must be given.
+    For example, a diameter is replaced by the radius. Exactly one of the two keys must be given.
 
     Parameters
     ----------
