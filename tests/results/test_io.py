@@ -199,7 +199,7 @@ def test_a_result_of_another_kind_is_told(turning_run, tmp_path):
 
 def test_a_part_that_does_not_do_is_told(turning_run):
     for part, expected in (
-        (turning_run.isel(time=slice(0, 0)), "a run without a sample"),
+        (turning_run.isel(time=slice(0, 0)), "a run without samples"),
         (turning_run.isel(time=0), "no position over time; select a part"),
         (turning_run[["speed"]], "not a run: it has no position"),
     ):

@@ -166,7 +166,7 @@ def tune(
     duration: Annotated[
         str | None,
         typer.Option(
-            help='Duration of the compared runs, s or e.g. "1 ms". Default: simulation.duration of SCENE.'
+            help='Duration of the compared runs, s or e.g. "1 ms". Default: that of SCENE.'
         ),
     ] = None,
     deviation: Annotated[
