@@ -75,17 +75,18 @@ def ensemble(
     duration : float or str, optional
         Duration, s, e.g. "20 ms". Default: the scene's.
     seed : int, optional
-        Seed of the random numbers. Trajectory i of a seed does not depend on their number.
+        Seed of the random numbers. Trajectory i does not depend on the number of trajectories.
     out : str or Path, optional
         File to write: a Zarr store of trajectories, or a NetCDF file of statistics. Default: the
         result is in memory.
     statistics : bool, optional
         Compute statistics and store no trajectory.
     skip : float or str, optional
-        Time after the release, s. Only the moments over time include it.
+        Time after the release that is omitted from all statistics except the moments over
+        trajectories, s.
     scheduler : str or distributed.Client, optional
         Dask scheduler, in place of `workers`. Requires `out`, in a file system that its workers
-        see.
+        share.
     workers : int, optional
         Threads on this machine. Default: one for each core.
     resume : bool, optional
@@ -93,7 +94,7 @@ def ensemble(
         again. A chunk with wrong bytes fails its checksum when it is read.
     forces : sequence of Force or str, optional
         Your own forces, in addition to the scene's (`tweezer.forces`). With `out` name each by its
-        Python file, "handles.py:spring". Its digest decides whether an ensemble can be resumed.
+        Python file, "handles.py:spring". An ensemble can be resumed only with an unchanged file.
     progress : callable, optional
         Called with the finished fraction.
 
@@ -107,8 +108,8 @@ def ensemble(
 
         * position (trajectory, time, axis): position relative to the focus, m
         * velocity: m/s, if the model has one
-        * orientation (trajectory, time, euler_parameter): if the scene has a rotation
-        * angular_velocity (trajectory, time, body_axis): rad/s, if it has inertia
+        * orientation (trajectory, time, euler_parameter): if the bead rotates
+        * angular_velocity (trajectory, time, body_axis): rad/s, if the rotation has inertia
         * lost_time (trajectory): s; infinite for a bead that is never lost, and NaN for a
           trajectory that is not yet computed
         * seen (trajectory, frame, seen_axis): position in the frames of a camera, m; NaN from the
@@ -126,8 +127,8 @@ def ensemble(
           method, mean removed; instantaneous positions, therefore aliased); not for "one-call"
         * X_error: standard error of X. It is computed over the trajectories, and for the density
           over blocks of trajectories. For stationary statistics, msd and psd it is computed over
-          windows. These are independent if they are much longer than the relaxation time. The error
-          is NaN if it requires more trajectories, windows or blocks.
+          windows, which are independent if they are much longer than the relaxation time. The error
+          is NaN if there are too few trajectories, windows or blocks.
 
         Samples after a loss are excluded. Windows with a loss are excluded from msd and psd. Both
         are counted. Skewness and kurtosis of equal values are NaN.

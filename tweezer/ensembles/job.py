@@ -61,9 +61,9 @@ class Job:
     block: int
     """number of trajectories in a block"""
     cuts: tuple[int, ...]
-    """number of the first sample of each window, followed by the number of samples"""
+    """index of the first sample of each window, followed by the number of samples"""
     skipped: int | None
-    """number of the first sample of stationary statistics; None if trajectories are written"""
+    """index of the first sample of stationary statistics; None if trajectories are written"""
     out: Path | None
     """file to write; None to keep the result in memory"""
     found: Attributes
@@ -83,7 +83,7 @@ class Job:
         trajectories : int
             Number of trajectories.
         skipped : int, optional
-            Number of the first sample of stationary statistics; None if trajectories are written.
+            Index of the first sample of stationary statistics; None if trajectories are written.
         out : Path, optional
             File to write; None to keep the result in memory.
         """
@@ -113,7 +113,7 @@ class Job:
         return -(-self.trajectories // self.block)
 
     def members(self, index: int) -> slice:
-        """Return the numbers of the trajectories in a block, as a slice."""
+        """Return the indices of the trajectories in a block, as a slice."""
         first = index * self.block
         return slice(first, min(first + self.block, self.trajectories))
 

@@ -193,7 +193,7 @@ class Statistics:
     def add_piece(self, first: int, samples: Array) -> None:
         """Add samples (trajectories, samples, columns) to the moments over the trajectories.
 
-        `first` is the number of the first of these samples. A `Statistics` is given each sample of
+        `first` is the index of the first of these samples. A `Statistics` is given each sample of
         its trajectories once, until its block is closed.
         """
         every = self.plan.every
@@ -211,7 +211,7 @@ class Statistics:
     def add_window(self, first: int, position: Array) -> None:
         """Add a window to all statistics over time: histogram, averages, displacements, spectrum.
 
-        `position` is (trajectories, samples, 3), m, NaN after a loss, and `first` is the number of
+        `position` is (trajectories, samples, 3), m, NaN after a loss, and `first` is the index of
         its first sample.
         """
         plan = self.plan

@@ -197,7 +197,7 @@ def _described(arrays: Samples) -> dict[str, str]:
 class Trajectories:
     """Output of an ensemble that stores its trajectories, in memory or in a Zarr store.
 
-    `missing` lists the numbers of the blocks to compute, and `left` contains those not yet done.
+    `missing` lists the indices of the blocks to compute, and `left` those not yet done.
     """
 
     waiting = 0

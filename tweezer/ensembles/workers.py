@@ -54,8 +54,8 @@ class Pool:
     """Workers that compute blocks: functions to submit blocks and to stop them."""
 
     submit: Callable[[int, Samples | None, dict[int, float]], Future[Gathered | None]]
-    """submits the block with a number; threads write to the given arrays, and update the block's
-    finished fraction of the ensemble in the dictionary"""
+    """submits the block with a given index; threads write to the given arrays, and update the
+    block's finished fraction of the ensemble in the dictionary"""
     width: Callable[[], int]
     """returns the number of blocks computed simultaneously"""
     stop: Callable[[], None]

@@ -47,8 +47,8 @@ class Columns(NamedTuple):
     times: Array
     """(n,) times, s"""
     columns: dict[str, Array]
-    """(n,) coordinates "x", "y" and "z" that the table has, in `unit`, and the motion of the stage,
-    "drive", m"""
+    """(n,) coordinates "x", "y" and "z" that the table contains, in `unit`, and the motion of the
+    stage, "drive", m"""
     unit: str
     """unit of x, y and z: "m" or "V\""""
     note: str
@@ -61,7 +61,7 @@ class _Place(NamedTuple):
     """A column to read, and the units stated for it."""
 
     column: int
-    """number of the column in the table, from 0"""
+    """index of the column in the table, from 0"""
     units: tuple[str, ...] = ()
     """units stated in the option --columns, in the heading and in a line or attribute of units;
     they must agree"""
@@ -405,7 +405,7 @@ def _place(table: Table, chosen: Chosen) -> _Place:
 
 
 def _called(table: Table, chosen: Chosen) -> tuple[int, str | None]:
-    """Return the number of the column with the chosen name, and a unit in brackets after the name.
+    """Return the index of the column with the chosen name, and a unit in brackets after the name.
 
     The name may be the column's full name, its heading, or its heading without the unit. Raises
     `ResultError` unless it denotes exactly one column.

@@ -24,14 +24,14 @@ _PER_SECOND = re.compile(r"(?P<number>.*?[0-9.])\s*(?:fps|/\s*s|1/s|frames\s*/\s
 
 
 class Chosen(NamedTuple):
-    """A column that the user chose for a quantity, by its number or by its heading."""
+    """A column that the user chose for a quantity, by its index or by its heading."""
 
     quantity: str
     """t, frame, bead, x, y or z"""
     place: int | None
-    """number of the column, from 0; None if it is chosen by its heading"""
+    """index of the column, from 0; None if it is chosen by its heading"""
     heading: str = ""
-    """heading of the column; "" if it is chosen by its number"""
+    """heading of the column; "" if it is chosen by its index"""
     unit: str | None = None
     """unit given by the user, as written"""
 

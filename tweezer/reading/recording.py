@@ -55,13 +55,14 @@ _AXES = ("x", "y", "z")
 @name_last
 @dataclass(frozen=True, repr=False)
 class Recording(Shown):
-    """Positions of a bead at even times, or the voltages of a detector of them.
+    """Positions of a bead at evenly spaced times, or the detector voltages.
 
     Raises
     ------
     ResultError
-        Unless there are at least 100 samples of these shapes, all finite, at ascending times within
-        0.1 steps of an even grid, and each coordinate changes. The message names the sample.
+        If there are fewer than 100 samples, the shapes differ from those below, a value is not
+        finite, a coordinate is constant, or a time deviates from even spacing by more than 0.1 of
+        the sampling interval. The message names the sample.
 
     Examples
     --------
@@ -74,25 +75,25 @@ class Recording(Shown):
     times: Array
     """(n,) s"""
     positions: Array
-    """(n, axes) m, or V; of a single axis also (n,)"""
+    """(n, axes) m, or V; (n,) is accepted for a single axis"""
     axes: tuple[str, ...]
-    """"x", "y" and "z", as many as there are"""
+    """names of the axes: one or more of "x", "y" and "z\""""
     name: str = field(default="recording", kw_only=True)
     """file, or title of the run"""
     scene: Scene | None = None
     """scene, if it is a run of tweezer"""
     note: str = ""
-    """what was omitted or filled in"""
+    """samples that were omitted or filled in, in words"""
     unit: str = "m"
     """of the positions: "m" or "V\""""
     drive: Array | None = None
     """(n,) motion of the stage, which moves the fluid with it, m"""
     exposure: float | None = None
-    """time over which each position is averaged, s; None if not known"""
+    """exposure time over which each position is averaged, s; None if not known"""
     noise: tuple[float, ...] | None = None
     """standard deviation of the white noise along each axis, m or V; None if not known"""
     dated: bool = False
-    """whether times or frames were read with the positions, so that their order is known"""
+    """whether times or frame numbers were read with the positions, so that their order is known"""
 
     def __post_init__(self) -> None:
         """Convert the arrays, and raise `ResultError` if the samples are not a valid recording."""
@@ -173,7 +174,7 @@ class Recording(Shown):
         return float(self.times[-1] - self.times[0]) / (len(self.times) - 1)
 
     def since(self, time: QuantityLike) -> Recording:
-        """Return the recording from a time after the first sample on.
+        """Return the recording without its first `time` seconds.
 
         Parameters
         ----------
@@ -199,15 +200,15 @@ class Track(Shown):
     Raises
     ------
     ResultError
-        Unless the shapes are these, times are finite and ascending, no coordinate is infinite, at
-        least ten frames have both coordinates, the first frame among them, and the extent fits an
-        image of a microscope. The message names the frame.
+        If the shapes differ from those below, times are not finite and ascending, a coordinate is
+        infinite, fewer than ten frames or not the first frame have both coordinates, or the extent
+        exceeds a microscope image. The message names the frame.
     """
 
     times: Array
     """(n,) s"""
     positions: Array
-    """(n, 2) m, x and y from the axis of the light; NaN where a coordinate is missing"""
+    """(n, 2) m, x and y relative to the beam axis; NaN where a coordinate is missing"""
     name: str = field(default="track", kw_only=True)
     """file, or title of the run"""
     scene: Scene | None = None
@@ -294,19 +295,20 @@ def load_recording(
 ) -> Recording:
     """Return the recording in a run of tweezer or in a table.
 
-    A run contributes its positions until the bead was lost. If its scene has a camera, the frames
-    are used, with exposure and noise, up to the last whole step before the bead was lost.
+    For a run, the recording contains the positions until the bead was lost. If the scene has a
+    camera, it contains the frames instead, with exposure and noise, up to the last whole step
+    before the loss.
 
     A table has the columns t, x, y and z, of which t and x are required. Its file is text (.csv,
     .tsv, .txt, .dat, .asc, .lvm, .prn), HDF5 or NetCDF 4 (.h5, .hdf5, .nc, also of Lumicks), NumPy
-    (.npy, .npz), MATLAB (.mat) or TDMS (.tdms). A heading is t, time, x, y or z, or words with one
-    of them, and the unit, such as "X position (nm)". Numbers without a unit are SI. Positions may
-    be in volts. Other columns are ignored. The page "Recordings" of the documentation has the
+    (.npy, .npz), MATLAB (.mat) or TDMS (.tdms). A heading contains t, time, x, y or z, possibly
+    with other words and a unit, such as "X position (nm)". Numbers without a unit are SI. Positions
+    may be in volts. Other columns are ignored. The page "Recordings" of the documentation gives the
     details.
 
-    Rows are sorted by their times if the sorted times are even. Gaps of up to 10 samples, and of
-    5 % of the samples in total, are filled in from the samples around them. Otherwise the longest
-    stretch without a gap is used. `Recording.note` reports this.
+    Rows are sorted by time if the sorted times are evenly spaced. Gaps of up to 10 samples are
+    filled in from the surrounding samples, if they are at most 5 % of all samples. Otherwise the
+    longest stretch without a gap is used. `Recording.note` reports this.
 
     Parameters
     ----------
@@ -319,7 +321,7 @@ def load_recording(
         ("t=Zeit,x=4").
     rate : float or str, optional
         Sampling rate, Hz, e.g. "15 Hz". It applies to rows without times, to frame numbers, and to
-        even samples with uneven time stamps.
+        evenly spaced samples with inaccurate time stamps.
     scale : float or str, optional
         Size of a pixel or a volt, m, e.g. "85.8 nm", "11.66 px/um" or "0.5 um/V". It applies to
         positions without a unit or in this unit.
@@ -334,8 +336,8 @@ def load_recording(
     Raises
     ------
     ResultError
-        For a file of another kind, and for samples that `Recording` refuses. The message names the
-        file and the sample.
+        For a file of an unsupported kind, and for samples that `Recording` refuses. The message
+        names the file and the sample.
 
     Examples
     --------
@@ -386,8 +388,8 @@ def load_track(
 ) -> Track:
     """Return the track in a run of tweezer or in a table with columns t, x and y.
 
-    An empty cell, or NaN, is a missing coordinate. Frames without a time, and those before the
-    first with both coordinates, are omitted.
+    An empty cell, or NaN, is a missing coordinate. Frames without a time are omitted, and so are
+    frames before the first one with both coordinates.
 
     Parameters
     ----------

@@ -54,13 +54,13 @@ class Table:
     """of the file"""
     columns: Sequence[Column]
     numbers: Callable[[Sequence[int]], list[Array]]
-    """function that reads the columns with the given numbers, from 0, as arrays (n,)"""
+    """function that reads the columns with the given indices as arrays (n,)"""
     headed: bool = True
     """whether its columns have headings"""
     rate_beside: str = ""
     """number in the file that may be the sampling rate, such as "fs = 10000\""""
     labels: Callable[[int], list[str]] | None = None
-    """function that reads the cells of the column with a given number as text; None if all columns
+    """function that reads the cells of the column with a given index as text; None if all columns
     contain numbers"""
 
 
@@ -103,7 +103,9 @@ def refuse_too_long(file: str, name: str, samples: int) -> None:
 
 
 def column_of(array: NDArray[Any], column: int) -> Array:
-    """Return column number `column`, (n,), of an array with samples along its longer axis."""
+    """Return the column (n,) with the index `column` of an array with samples along its longer
+    axis.
+    """
     if min(array.shape) == 1:
         array = array.ravel()
     if array.ndim == 2 and array.shape[0] < array.shape[1]:

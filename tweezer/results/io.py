@@ -38,7 +38,7 @@ _AT_ONCE = 2**24
 def save_run(run: xr.Dataset, path: str | Path) -> Path:
     """Write a run to a NetCDF file, which changes only once the new content is complete.
 
-    A digest follows the content, so that `load_run` detects damage.
+    A checksum at the end of the file lets `load_run` detect damage.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def load_run(path: str | Path) -> xr.Dataset:
     Raises
     ------
     ResultError
-        For a file with something else, such as another result, and for a damaged file.
+        For a file that does not contain a run, and for a damaged file.
     """
     run = load_result(Path(path))
     kind = kind_of(run)

@@ -20,8 +20,8 @@ from tweezer.values.saved import Kind, check_ending, kind_of, read_json
 def save(result: Any, path: str | Path) -> Path:
     """Save a result to a file, from which `load` returns it.
 
-    An existing file is replaced once the new one is complete. The file contains a digest, so that
-    `load` refuses a damaged file.
+    An existing file is replaced once the new one is complete. The file contains a checksum, with
+    which `load` detects damage.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def save(result: Any, path: str | Path) -> Path:
         `characterise`, `calibrate`, `find_wall`, `fit`, `fit_depth`, `tune` or
         `calibration.together`.
     path : str or Path
-        Name of the file. It ends in `.nc` for a dataset and in `.json` for any other result.
+        Name of the file. It must end in `.nc` for a dataset and in `.json` for any other result.
 
     Returns
     -------
@@ -83,8 +83,8 @@ def load(path: str | Path) -> Any:
     Returns
     -------
     Dataset, Trap, Calibration, Surface, SceneFit, DepthFit, Tuning or tuple of Together
-        The result, of the type that the function returned which computed it. A dataset in a store
-        is read when it is used.
+        The result, with the type that it had when it was computed. A dataset in a store is read on
+        demand.
 
     Raises
     ------
@@ -93,12 +93,13 @@ def load(path: str | Path) -> Any:
 
     Notes
     -----
-    A file of a command contains less than one of `save`:
+    A file that a command wrote contains less than a file of `save`:
 
-    * A number that is infinite or not known is null. It is loaded as NaN where a number is needed.
+    * An infinite or unknown number is stored as null. It is loaded as NaN where a number is
+      required.
     * The file of `tweezer fit-depth` lacks the predicted path: `DepthFit.path` is None.
     * The file of `tweezer calibrate` for several recordings also contains their calibrations. Only
-      their means, or the wall that was found, are loaded.
+      the means, or the wall position, are loaded.
 
     Examples
     --------

@@ -20,7 +20,7 @@ def derived_quantities(
 
     * optical_force: force of the light (3.26), N
     * force_error: error of the optical force, N. It is NaN until `force_errors` sets it.
-    * net_force: all forces but drag, the thesis's net motion force Gamma_others (4.2), N
+    * net_force: sum of all forces except drag, the thesis's net motion force Gamma_others (4.2), N
     * net_force_error: error of the net force, N, with the user's own forces. `force_errors` sets it
       too.
     * speed: speed of the bead, m/s

@@ -80,27 +80,28 @@ def simulate(
 
     With thermal motion the run is trajectory 0 of the ensemble with the same seed. Its steps are
     fixed, so it has no tolerances, and the integration error is NaN. Models without inertia have no
-    velocity. Events are searched at the ends of steps and located on a straight line between them,
-    within a step (`event_resolution`, s). An event that begins and ends within one step is missed
-    (`tweezer.dynamics.brownian.stepwise`). Events depend on the position and, in models with
+    velocity. Events are detected at the ends of steps and located by linear interpolation between
+    them, to within a step (`event_resolution`, s). An event that begins and ends within one step is
+    missed (`tweezer.dynamics.brownian.stepwise`). Events depend on the position and, in models with
     inertia, on the velocity. The first closest approach is not searched.
 
-    A continued run begins at the last time of the earlier run. Position, orientation, velocities
-    and the memory of the fluid carry over, as do the model, the method and the time between
-    samples. With thermal motion the random numbers follow those of the earlier run. Light, other
-    forces and tolerances may differ. `integration_error` includes the error of the earlier run; it
-    is NaN if that error is unknown, as after an interrupt. An event that lasts begins again.
+    A continued run begins at the end of the earlier run, with the same position, orientation,
+    velocities and hydrodynamic memory. Model, method and sampling interval are the same. With
+    thermal motion the sequence of random numbers continues. Light, other forces and tolerances may
+    differ. `integration_error` includes the error of the earlier run; it is NaN if that error is
+    unknown, for example after an interrupt. An event with a required duration starts counting
+    again.
 
     Parameters
     ----------
     scene : Scene, str or mapping
-        Scene, the name of a shipped one, a TOML file or a mapping.
+        Scene, name of a shipped scene, TOML file, or mapping.
     duration : float or str, optional
         Duration, s, e.g. "20 ms". Default: the scene's.
     model, method : str, optional
-        Model and method, in place of the scene's.
+        Model and method, which replace the scene's.
     tolerance : float, optional
-        Relative tolerance. The scene's absolute tolerances change in the same ratio.
+        Relative tolerance. The scene's absolute tolerances are scaled by the same factor.
     seed : int, optional
         Seed of the thermal motion and of the camera noise. Default: 0.
     forces : sequence of Force or str, optional
@@ -121,8 +122,7 @@ def simulate(
 
         * position: position relative to the focus, m
         * velocity, m/s
-        * orientation (Euler parameters) and angular_velocity (body frame): if the scene has a
-          rotation
+        * orientation (Euler parameters) and angular_velocity (body frame): if the bead rotates
         * seen (frame, seen_axis): positions in the frames of a camera, m, with frame_time, s
         * the quantities of `tweezer.runs.derived`
 
@@ -142,8 +142,8 @@ def simulate(
     Raises
     ------
     SceneError
-        For arguments that do not make a valid scene, invalid events, a tolerance with thermal
-        motion, a seed without thermal motion, and a run that cannot be continued.
+        For an invalid scene, invalid events, a tolerance with thermal motion, a seed without
+        thermal motion, and a run that cannot be continued.
     ResultError
         For a run that cannot be continued.
 

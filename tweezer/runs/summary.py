@@ -59,9 +59,9 @@ class Summary(Result):
     QUANTITIES: ClassVar = known.QUANTITIES
 
     outcome: str
-    """"captured", "captured on a ring", "lost", "not captured"; or the status of a run that ended
-    early, or in which no equilibrium is looked for: its light changed until the end, or it had
-    forces of your own"""
+    """"captured", "captured on a ring", "lost" or "not captured"; or the status of the run, if it
+    ended early or its equilibria are not searched, because the light changed until the end or the
+    run had your own forces"""
     outcome_time: float
     """time of capture, of loss, or of the end of the run, s"""
     overshoot: float
@@ -80,9 +80,9 @@ class Summary(Result):
     end: tuple[float, float, float]
     """last position, m from the focus"""
     by_samples: bool
-    """whether all numbers are from the samples alone, without the motion between them: for thermal
-    motion, a run that failed or had too many steps to store, a part of a run, a file of an older
-    version"""
+    """whether all numbers come from the samples alone, without the motion between them. This is so
+    for thermal motion, a run that failed or had too many steps to store, a part of a run, and a
+    file from an older version"""
     outcome_time_error: float | None = None
     """error of `outcome_time`, s; None if not known, as for the other errors"""
     overshoot_error: float | None = None
@@ -98,11 +98,11 @@ class Summary(Result):
     smallest_gap_error: float | None = None
     """error of `smallest_gap`, m"""
     sought_within: float | None = None
-    """distance from the end within which an equilibrium was sought, m"""
+    """distance from the last position within which an equilibrium was searched, m"""
 
     @property
     def untold(self) -> str:
-        """End of a sentence on the outcome: where no equilibrium was found, or why none was sought.
+        """Explanation of the outcome: where no equilibrium was found, or why none was searched.
 
         It is "" for other outcomes.
         """
@@ -114,7 +114,7 @@ class Summary(Result):
         return "; capture is not told: the light changes until the end, or forces are your own"
 
     def quantities(self) -> Iterator[Measured]:
-        """Yield the quantities of the summary; the error of the end is in the run."""
+        """Yield the quantities of the summary; the run contains the error of the last position."""
         for quantity in known.QUANTITIES:
             error = self.force_error if quantity is known.LARGEST_FORCE else None
             yield quantity(
@@ -122,7 +122,7 @@ class Summary(Result):
             )
 
     def words(self) -> dict[str, str]:
-        """Return the outcome, and the reason why the bead is not captured or that is not known."""
+        """Return the outcome, and the reason if it is unknown or the bead is not captured."""
         return {"outcome": self.outcome, "reason": self.untold.removeprefix("; ")}
 
     def card(self) -> Card:
@@ -172,12 +172,13 @@ def summarise(run: xr.Dataset) -> Summary:
 
     The outcomes are:
 
-    * captured: the bead ends within a tenth of its radius of a stable equilibrium of all forces but
-      drag, which is located by Newton's method. The capture time is the time after which the bead
-      stays there. The scene's inertia decides whether an equilibrium is stable.
-    * captured on a ring: the bead ends as close to a ring around the beam axis. The light keeps it
-      there, at rest or driven round.
-    * complete: the light moves or changes until the end, so that no equilibrium is at rest.
+    * captured: the last position is within a tenth of the bead radius of a stable equilibrium,
+      which is located by Newton's method for all forces except drag. The capture time is the time
+      after which the bead stays there. The stability of the equilibrium takes the scene's inertia
+      into account.
+    * captured on a ring: the last position is as close to a ring around the beam axis, on which the
+      light holds the bead, at rest or in motion around the axis.
+    * complete: the light moves or changes until the end, so there is no fixed equilibrium.
 
     With thermal motion, a bead leaves this neighbourhood many times. It is captured if its mean
     position over the last tenth of the run is within its radius of the equilibrium. The capture

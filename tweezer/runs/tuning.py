@@ -31,11 +31,11 @@ class Tuned:
     scaling_factor: float
     """a2; the scaled model divides the inertia of the bead by it, and 1 scales nothing"""
     deviation: float | None
-    """largest distance between the scaled and the unscaled bead at the same time, m, from the dense
-    output of both; None if the run failed"""
+    """largest distance between the scaled and the unscaled bead at equal times, m, from the dense
+    output of both runs; None if the run failed"""
     deviation_error: float | None
-    """error of `deviation`, m, from integrating both to tighter tolerances; None if one of these
-    runs failed, or if tighter tolerances do not change the steps"""
+    """error of `deviation`, m, from a second integration of both with tighter tolerances; None if
+    one of these runs failed, or if the tolerances do not change the steps"""
     steps: int
     """number of integration steps"""
     force_calls: int
@@ -133,10 +133,10 @@ def tune(
 ) -> Tuning:
     """Compare the scaled model (4.17) with the unscaled equations for several scaling factors a2.
 
-    The unscaled response is integrated by the exponential method. Both are in a fluid without
-    inertia, as in the thesis, whatever the scene's `medium.inertia` is. Each response is integrated
-    a second time, to a sixteenth of the tolerances. The distance between the two is its error.
-    Steps follow the tolerances, whatever the scene's step is.
+    The unscaled equations are integrated by the exponential method. Both motions are computed in a
+    fluid without inertia, as in the thesis, regardless of the scene's `medium.inertia`. Each is
+    integrated again with a sixteenth of the tolerances, and the distance between the two solutions
+    is its error. The tolerances determine the steps, regardless of the scene's step.
 
     Parameters
     ----------

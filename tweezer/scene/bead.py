@@ -26,7 +26,7 @@ class BeadProperties(Shown):
     rotational_drag: float
     """rotational Stokes drag coefficient beta_w (2.15) far from walls, N m s"""
     weight: tuple[float, float, float]
-    """sum of gravity (2.11) and buoyancy (2.12), as far as the scene has them, N"""
+    """sum of gravity (2.11) and buoyancy (2.12), as far as the scene includes them, N"""
     knudsen: float
     """mean free path over diameter (2.2.2)"""
 

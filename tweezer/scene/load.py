@@ -17,7 +17,7 @@ SceneLike = Scene | str | Path | Mapping[str, Any]
 
 
 def checked_scene(scene: SceneLike) -> Scene:
-    """Return the scene that an argument is or names, as `load_scene` does.
+    """Return the scene for an argument: a scene itself, or a source for `load_scene`.
 
     Raises `SceneError` if it neither is a scene nor names one.
     """
@@ -47,14 +47,15 @@ def load_scene(source: str | Path | Mapping[str, Any]) -> Scene:
     Raises
     ------
     SceneError
-        For bad values, with one line for each: the key, the value, and what is allowed.
+        For invalid values. The message has one line for each, with the key, the value and what is
+        allowed.
 
     Warns
     -----
     PhysicsWarning
-        If the continuum drag (2.13) does not hold.
+        If the continuum drag (2.13) is not valid.
     UnitWarning
-        For numbers without a unit that are unusual in the SI unit.
+        For numbers without a unit whose magnitude is unusual in the SI unit.
 
     Examples
     --------

@@ -33,7 +33,7 @@ _MOST_LINES = 20
 
 
 class Scene(Description):
-    """A validated scene. Make one with `load_scene`, change it with `replace`."""
+    """A validated scene, which `load_scene` creates and `replace` changes."""
 
     @model_validator(mode="before")
     @classmethod
@@ -173,10 +173,10 @@ class Scene(Description):
     def replace(self, **sections: Any) -> Scene:
         """Return a changed copy, which is validated again.
 
-        The named keys of a section change, and its other keys stay. A key displaces its alternative
-        (the diameter a radius), and a choice displaces the keys that do not belong to it (profile =
-        uniform displaces sigma). The title of the copy names the changes, unless a new description
-        is among them.
+        The other keys of a section keep their values. A key removes its alternative (diameter
+        removes radius), and a choice removes the keys that do not apply to it (profile = uniform
+        removes sigma). The title of the copy names the changes, unless they include a new
+        description.
 
         Parameters
         ----------
@@ -192,13 +192,13 @@ class Scene(Description):
         Raises
         ------
         SceneError
-            For values that do not make a valid scene.
+            If the changed scene is not valid.
 
         Warns
         -----
         PhysicsWarning
-            For a temperature changed without the viscosity, and for a numerical aperture that has
-            no effect.
+            If the temperature is changed without the viscosity, or a numerical aperture has no
+            effect.
 
         Examples
         --------

@@ -43,7 +43,7 @@ def dataset_of(
     of : str
         Kind of sweep.
     done : mapping of int to Values
-        Values of finished cases by number. Other cases get the outcome "not computed" and NaN.
+        Values of finished cases by index. Other cases get the outcome "not computed" and NaN.
     attributes : mapping of str to str
         Attributes of the dataset.
     """

@@ -97,8 +97,8 @@ def sweep(
     Returns
     -------
     xarray.Dataset
-        Dataset over the swept keys, in SI units (over `case`, for a table). Each quantity has the
-        variable `_error` beside it, which its attribute `ancillary_variables` names.
+        Dataset over the swept keys, in SI units (over `case`, for a table). For each quantity there
+        is a variable with the suffix `_error`, which the attribute `ancillary_variables` names.
 
         * trap: equilibrium, stiffness and corner frequency (axis), escape force and escape energy
           in k_B T (direction), lifetime (infinite above 1e20 s), and `trapped`, whether there is a
@@ -112,8 +112,8 @@ def sweep(
         * calibrate: stiffness, corner frequency and diffusion (axis)
 
         `outcome` is the outcome of each case. A case that "failed" has a `reason`, and NaN for
-        numbers. The attribute `status` is "complete", or "interrupted" for a dataset with the cases
-        that were finished before Ctrl-C, which can be resumed.
+        numbers. The attribute `status` is "complete", or "interrupted" if the dataset contains only
+        the cases that were finished before Ctrl-C. An interrupted sweep can be resumed.
 
     Raises
     ------

@@ -61,10 +61,10 @@ def trap_over_heights(
         Over `height`, with vectors over `axis`. Numbers are NaN where the bead is not held.
 
         * equilibrium: stable equilibrium nearest the focus, relative to it, m
-        * equilibrium_error: its error by the error of the force, m
+        * equilibrium_error: its error due to the error of the force, m
         * gap: gap between bead and wall at the equilibrium, m
         * stiffness: k_ii, N/m
-        * drag: kg/s; and the drag far from the wall
+        * drag: kg/s; `free_drag` is the drag far from the wall
         * corner_frequency: k_ii/(2 pi drag), Hz; NaN along an axis in which the bead oscillates
         * state: "held", "held on a ring" around the axis, "rests on the wall" if there is no
           equilibrium and the forces press the bead to the wall, or "not held"

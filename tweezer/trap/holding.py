@@ -56,12 +56,12 @@ _UNITS = (
 
 @dataclass(frozen=True, repr=False)
 class Lifetime(Shown):
-    """Mean time for which a bead stays in its trap in thermal motion."""
+    """Mean time for which a bead stays in its trap despite thermal motion."""
 
     time: float
     """mean time from the equilibrium until the bead is lost, s; infinite if longer than 1e20 s"""
     error: float
-    """estimated error of that time, s; 0 of an infinite one"""
+    """estimated error of `time`, s; 0 if the time is infinite"""
     lost_at: float
     """distance from the focus at which the bead is lost, m"""
 
@@ -72,7 +72,7 @@ class Lifetime(Shown):
 
     @property
     def told(self) -> str:
-        """`words`, which an infinite time precedes with what it means."""
+        """The time in words; an infinite time is explained."""
         return f"practically for ever ({self.words})" if math.isinf(self.time) else self.words
 
     @property
@@ -103,7 +103,7 @@ def lifetime(
     reach: float,
     force_error: float,
 ) -> Lifetime | None:
-    """Return the lifetime of a trap, as `Trap.lifetime` describes it; None if it has none.
+    """Return the lifetime of a trap (see `Trap.lifetime`), or None.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def lifetime(
     held : Equilibrium or Ring, optional
         Equilibrium or ring that holds the bead.
     escapes : tuple of Escape
-        Straight ways out of it.
+        Escapes from it along straight lines.
     reach : float
         Distance to which the trap was searched, m.
     force_error : float
@@ -161,7 +161,7 @@ def time_without_light(scene: Scene, held: Equilibrium | Ring, reach: float) -> 
 
 
 def adds_nothing(held: Lifetime, without_light: Lifetime | None) -> str:
-    """Return a remark if light does not prolong the stay of the bead; otherwise ""."""
+    """Return a remark if the bead stays as long without light; otherwise ""."""
     if without_light is None:
         return ""
     if held.time - held.error <= _NOTHING * (without_light.time + without_light.error):

@@ -37,10 +37,11 @@ class LeastPower(Shown):
     lifetime: Lifetime
     """mean time for which the trap holds the bead at this power"""
     without_light: Lifetime | None = None
-    """mean time for which the bead stays there without light; None if `lifetime` is infinite"""
+    """mean time for which the bead stays within the same distance without light; None if `lifetime`
+    is infinite"""
     no_trap_below: bool = False
-    """whether just below that power there is no trap at all, as the light does not carry the bead's
-    weight: the lifetime is then longer than was asked for"""
+    """whether there is no trap at all at slightly less power, because the light then does not carry
+    the bead's weight. In this case `lifetime` is longer than required"""
 
     def card(self) -> Card:
         """Return the card with the minimum power, and the lifetimes with and without light."""
@@ -75,8 +76,8 @@ def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | No
     Raises
     ------
     SceneError
-        For several beams, no light, or light that changes in time. For a time that is not positive,
-        or in which even a free bead is not lost.
+        For several beams, no light, or light that changes in time; for a time that is not positive,
+        or in which not even a free bead is lost.
 
     Returns
     -------

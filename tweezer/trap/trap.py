@@ -65,7 +65,7 @@ class Efficiency:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Trap(Comparable, Result):
-    """A characterised trap, SI. Without a stable equilibrium there are no escapes.
+    """A characterised trap, in SI units.
 
     If no position holds the bead, `equilibrium` is empty (None). The bead may be held by a `ring`
     instead, and `reason` contains the searched range. `stiffness` and `stiffness_xyz` then raise an
@@ -75,18 +75,20 @@ class Trap(Comparable, Result):
     QUANTITIES: ClassVar = known.QUANTITIES
 
     scene: Scene = field(compare=False)
-    """the scene that it is the trap of"""
+    """the scene that was characterised"""
     power_through_pupil: float
     """P, W, of all beams, without their modulation"""
     fraction_through_pupil: float | None
     """P over the power of the whole beam; None in the dark"""
     backward_efficiency: Efficiency | None
-    """against the light, on the axis; None if the light pulls back nowhere, or there is more than
-    one beam at rest at the origin"""
+    """efficiency against the light, on the axis; None if the light pulls back nowhere, or unless
+    there is a single beam at rest at the origin"""
     lateral_efficiency: Efficiency | None
-    """towards the axis, on x or y through the focus, the larger; None if it pulls nowhere"""
+    """efficiency towards the axis, the larger of x and y through the focus; None if the light pulls
+    towards the axis nowhere"""
     equilibria: tuple[Equilibrium, ...]
-    """equilibria of one beam by z, then those off its axis; or of several beams at time 0"""
+    """equilibria: for one beam in the order of z, followed by equilibria off its axis; for several
+    beams at time 0"""
     equilibrium: Equilibrium | None
     """stable equilibrium nearest the focus; None without one, or if a ring is nearer"""
     rings: tuple[Ring, ...]
@@ -99,22 +101,23 @@ class Trap(Comparable, Result):
     """k_ii/(2 pi beta_v) at `equilibrium`, with the drag there, (3,) Hz; NaN for an axis along
     which the bead oscillates"""
     resonance_frequencies: Vector | None
-    """resonance frequencies along the axes along which the bead oscillates, (3,) Hz:
-    sqrt(k_ii/m)/(2 pi) without fluid inertia; NaN for the others"""
+    """(3,) Hz, resonance frequency along each axis: sqrt(k_ii/m)/(2 pi) without fluid inertia; NaN
+    for an axis along which the bead does not oscillate"""
     quality_factors: Vector | None
-    """quality factors of these axes, (3,), above 1/2: sqrt(k_ii m)/beta_v without fluid inertia"""
+    """(3,) quality factor of each of these oscillations, above 1/2: sqrt(k_ii m)/beta_v without
+    fluid inertia; otherwise NaN"""
     gap: float | None
     """distance of the bead's surface at `equilibrium` from the nearer wall, m; None without a
     wall"""
     rests: bool
-    """whether the forces press a bead on the axis to the wall that touches it"""
+    """whether the forces press a bead on the axis against the wall"""
     escapes: tuple[Escape, ...]
     """escapes from `equilibrium`, one for each of `DIRECTIONS`; empty without an equilibrium"""
     evaluator: str
     """method that computed the force: "grid", "quadrature", ..., or "dark" """
     force_error: float
-    """largest error of the forces, N: estimated, or certified by the map, or for the grid the
-    distance to the quadrature"""
+    """largest error of the forces, N: estimated for the quadrature, certified for a force map, and
+    for the grid the difference from the quadrature"""
     theory: str
     """theory of the light: "rays" or "waves" """
     theory_reason: str
@@ -124,7 +127,7 @@ class Trap(Comparable, Result):
     absorbed_power: float | None
     """power of the light that the bead absorbs at `equilibrium`, W; None if it absorbs none"""
     torque: Vector | None
-    """optical moment about the bead's centre there, N m; None as for `absorbed_power`"""
+    """optical torque about the bead's centre at `equilibrium`, N m; None if it absorbs no light"""
     caveat: str | None
     """error of ray optics for this bead in words (`ray_optics_caveat`); None with wave optics"""
     ray_optics: RayOpticsWorth | None
@@ -137,18 +140,19 @@ class Trap(Comparable, Result):
     def lifetime(self) -> Lifetime | None:
         """Mean time until thermal motion removes the bead from the trap, computed on first use.
 
-        It begins at the equilibrium, or the ring. It ends when the distance from the focus is
-        `Trap.reach` or `simulation.loss_distance`, whichever is less. The temperature is
-        `medium.temperature`, for any `forces.brownian`. The time is a mean first passage time of
-        the overdamped motion in the exact force, which need not have a potential, with the mobility
-        at each position. The light is assumed to have rotational symmetry. For linearly polarised
-        light the half planes along x and along y are computed. Their mean is returned, and their
-        difference is part of the error.
+        The time begins at the equilibrium, or on the ring. It ends when the distance from the focus
+        reaches `Trap.reach` or `simulation.loss_distance`, whichever is less. The temperature is
+        `medium.temperature`, even if `forces.brownian` is false. The time is a mean first passage
+        time of the overdamped motion in the exact force, which need not have a potential, with the
+        mobility at each position. The light is assumed to have rotational symmetry. For linearly
+        polarised light, the time is computed in the half planes along x and along y. The mean of
+        both is returned, and their difference is part of the error.
 
-        There is no lifetime (None, with the reason in `lifetime_caveat`) in these cases:
+        The lifetime is None, with the reason in `lifetime_caveat`, in these cases:
 
-        * no equilibrium and no ring, or one off the axis or as far from the focus as a bead is lost
-        * several beams, or a beam that moves or changes
+        * no equilibrium and no ring, or one off the axis or beyond the distance at which the bead
+          is lost
+        * several beams, or a beam that moves or changes in power
         * `forces.dlvo`, or the user's own forces
         * dominant inertia: sqrt(k m) above 0.3 of the drag
         """
@@ -159,10 +163,10 @@ class Trap(Comparable, Result):
 
     @functools.cached_property
     def lifetime_without_light(self) -> Lifetime | None:
-        """Mean time that the same bead stays within the same distance without light.
+        """Mean time for which the bead stays within the same distance without light.
 
-        It begins at the same position, with its weight. Without a finite `lifetime` it is empty
-        (None).
+        The bead begins at the same position and has its weight. The value is None unless `lifetime`
+        is finite.
         """
         if self._holds is None or self.lifetime is None or math.isinf(self.lifetime.time):
             return None
@@ -170,7 +174,7 @@ class Trap(Comparable, Result):
 
     @property
     def ring(self) -> Ring | None:
-        """The ring that holds the bead; None if `equilibrium` does, or nothing."""
+        """The ring that holds the bead; None if `equilibrium` holds it, or if it is not held."""
         return self.rings[0] if self.rings and self.equilibrium is None else None
 
     @property
@@ -233,13 +237,13 @@ class Trap(Comparable, Result):
     def too_shallow(self) -> str:
         """Reason why the equilibrium, or the ring, is too shallow in thermal motion, or "".
 
-        The easiest straight way out of it takes less than 1 k_B T.
+        This is the case if the easiest straight escape requires less than 1 k_B T.
         """
         return too_shallow(self._ways_out) if self._holds else ""
 
     @property
     def lifetime_caveat(self) -> str | None:
-        """Reason why a trap has no lifetime, or an effect that it leaves out; None if neither."""
+        """Reason why there is no lifetime, or an effect that it neglects; None if neither."""
         if self.other_forces and self._holds is not None:
             return "not computed with your own forces"
         return doubt(self.scene, self._holds, self.reach, self.absorbed_power)
@@ -309,7 +313,8 @@ class Trap(Comparable, Result):
         """Return the card with equilibrium, stiffness, lifetime and efficiencies, and a table of
         escapes.
 
-        It contains the lifetime only if that was computed before, as this takes a while.
+        It contains the lifetime only if it has been computed already, because computing it takes
+        time.
         """
         share = self.fraction_through_pupil
         power = printed(self.power_through_pupil, "mW")
@@ -477,52 +482,52 @@ def _where(place: Equilibrium) -> str:
 def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Trap:
     """Characterise the trap of a scene: equilibria, stiffness, escape forces and efficiencies.
 
-    The force is the sum of the light's (3.26), computed by the scene's evaluator, the weight (2.11,
-    2.12) and the force of a wall, as far as `scene.forces` includes them. Drag and thermal motion
-    are left out, and so is contact: a position where a bead rests on a wall is no equilibrium, and
-    lines end where the bead would touch the wall.
+    The force is the sum of the optical force (3.26), computed by the scene's evaluator, the weight
+    (2.11, 2.12) and the forces of walls, as far as `scene.forces` includes them. Drag, thermal
+    motion and contact forces are excluded: a position at which the bead rests on a wall is not an
+    equilibrium, and lines end where the bead would touch the wall.
 
-    Every light of a scene is unchanged by half a turn about the beam's axis, so that the force on
-    the axis is along it. Equilibria are searched there, within `Trap.reach` of the focus. This is
-    20 radii with ray optics, and 5 radii and 10 wavelengths in the medium with wave optics. It is
-    at least five times the distance at which the light is as wide as the bead, with wave optics
-    five depths of focus more. If light carries the weight, the search extends to
-    `simulation.loss_distance`. If no equilibrium near the focus is stable, the search includes
+    All light in a scene is symmetric under half a turn about the beam axis, so the force on the
+    axis is parallel to it. Equilibria are searched on the axis, within `Trap.reach` of the focus.
+    `Trap.reach` is 20 radii with ray optics, and 5 radii plus 10 wavelengths in the medium with
+    wave optics. It is at least five times the distance at which the beam is as wide as the bead,
+    plus five depths of focus with wave optics. If the light carries the weight, the search extends
+    to `simulation.loss_distance`. If no equilibrium near the focus is stable, the search includes
     rings in the bright region around the axis. In light without rotational symmetry it includes
     positions off the axis. `Trap.searched` describes the search. For several beams, or a beam that
     moves, equilibria are searched near the axis of each beam, at time 0.
 
-    An equilibrium is stable if the linear motion with the inertia of the scene's model decays:
-    `Equilibrium.spiral_rate`. The force beside it must pull back too, because jumps of the sum over
-    a grid of rays do not appear in its derivative. In circularly polarised light, which pushes a
-    bead off the axis round it, the stiffness is not symmetric: `Equilibrium.turn`.
+    An equilibrium is stable if linear motion about it decays, with the inertia of the scene's model
+    (`Equilibrium.spiral_rate`). The force at neighbouring positions must also be restoring, because
+    the sum over a grid of rays has jumps, which its derivative does not contain. Circularly
+    polarised light pushes an off-axis bead around the axis, so the stiffness matrix is not
+    symmetric (`Equilibrium.turn`).
 
-    Escape is along straight lines from the stable equilibrium nearest the focus. Only the component
-    of the force along the line counts, as for a bead that is kept on it. The escape ends where this
-    component changes sign or the light ends. Against the light it may not end: light that meets a
-    bead before the focus drives it to the trap from any distance, by a force that decreases with
-    the distance squared. The range is then None, and the work is that over `Trap.reach`. It is no
-    barrier height, because the work between two positions depends on the path.
+    Escapes are computed along straight lines from the stable equilibrium nearest the focus, with
+    the component of the force along the line. An escape ends where this component changes sign or
+    the light ends. Against the light it may not end: before the focus, the light drives the bead
+    towards the trap from any distance, with a force that decreases with the distance squared. The
+    range is then None, and the work is integrated up to `Trap.reach`. The work is not a barrier
+    height, because the work between two positions depends on the path.
 
     Lines are sampled about every 0.02 radii, and with wave optics every twentieth of a wavelength
-    in the medium; far from the focus the distance of samples grows. Zeros are found by Brent's
-    method, to 1e-14 radii, which brackets a change of sign and so also works where the sum over a
-    grid of rays jumps. Maxima are refined to 5e-7 of the distance of samples. Work is integrated by
-    the rules of Gauss and Kronrod on panels that are halved until the error is 1e-7, or
-    `Escape.energy_error` where jumps hinder it.
+    in the medium. Far from the focus the samples are further apart. Zeros are located by Brent's
+    method to 1e-14 radii, also where the sum over a grid of rays jumps. Maxima are refined to 5e-7
+    of the sample distance. The work is integrated by Gauss-Kronrod rules on intervals that are
+    halved until the error is 1e-7. Where jumps prevent this, `Escape.energy_error` is larger.
 
-    The force is linear in the power of one beam, so its values on lines through the focus are kept
-    for the next scene with the same light (`tweezer.optics.sampled`). Scenes that differ only in
-    their power are characterised fastest in succession.
+    The force is proportional to the power of a beam, so its values on lines through the focus are
+    reused for the next scene with the same light (`tweezer.optics.sampled`). Scenes that differ
+    only in power are therefore characterised faster in succession.
 
     Parameters
     ----------
     scene : Scene, str or mapping
         Bead, medium, lens and beams.
     forces : sequence of Force or str
-        The user's own forces, beside those of the scene (`tweezer.forces`), taken at time 0 on a
-        bead that is not rotated. Equilibria are then searched near the axis of each beam, and rings
-        are not. Efficiencies remain those of the light alone.
+        Your own forces, in addition to the scene's (`tweezer.forces`), evaluated at time 0 for a
+        bead in its initial orientation. Equilibria are then searched near the axis of each beam,
+        and rings are not searched. Efficiencies include only the light.
 
     Returns
     -------

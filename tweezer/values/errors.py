@@ -7,43 +7,45 @@ import warnings
 
 
 class TweezerError(Exception):
-    """Base of every error raised on purpose; its text is meant for the user as it stands."""
+    """Base of all errors that tweezer raises deliberately, with a message for the user."""
 
 
 class SceneError(TweezerError):
-    """A scene that cannot be read or holds a bad value; one line per bad value."""
+    """A scene cannot be read or contains invalid values; the message has one line per value."""
 
 
 class FrozenError(SceneError, AttributeError):
-    """A scene, or a part of it, that is assigned to."""
+    """A value was assigned to a scene or a part of it, which are immutable."""
 
 
 class ForceError(SceneError, ValueError):
-    """A force of the user's own that breaks the contract of `tweezer.forces.UserForce`."""
+    """A user's own force violates the requirements of `tweezer.forces.UserForce`."""
 
 
 class IntegrationError(TweezerError):
-    """The equations could not be integrated further: non-finite rates, collapsed step."""
+    """The equations cannot be integrated further, because a rate is not finite or the step is too
+    small.
+    """
 
 
 class ResultError(TweezerError):
-    """A result file that cannot be written or read."""
+    """A result or recording cannot be read, written or used."""
 
 
 class TooFewError(ResultError):
-    """A recording with too few samples for the analysis of a trap."""
+    """A recording contains too few samples to analyse a trap."""
 
 
 class SeveralBeadsError(ResultError):
-    """A table of several beads where one is needed."""
+    """A table contains several beads, but one is required."""
 
 
 class PhysicsWarning(UserWarning):
-    """A scene outside the range where one of the models used is known to hold."""
+    """A scene is outside the range in which one of the models used is known to be valid."""
 
 
 class UnitWarning(UserWarning):
-    """A number without a unit, read in the SI unit, in which it is unusual."""
+    """A number without a unit was read in the SI unit, in which its magnitude is unusual."""
 
 
 def warn(text: str, category: type[Warning] = PhysicsWarning) -> None:

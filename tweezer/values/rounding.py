@@ -10,10 +10,10 @@ _PLAIN = (1e-6, 1e7)
 
 
 def rounded(value: float, uncertainty: float) -> tuple[str, str]:
-    """Return a value and its uncertainty as text, each with as many digits as mean something.
+    """Return a value and its uncertainty as text, each with its significant digits.
 
-    The uncertainty has two digits, and the value is rounded to the same decimal place. A value
-    whose uncertainty is below its fourth significant digit has these four digits.
+    The uncertainty has two digits, and the value is rounded to the same decimal place. If the
+    uncertainty is below the fourth significant digit of the value, four digits are printed.
     """
     if not 0 < uncertainty < math.inf or not math.isfinite(value):
         return f"{value:.4g}", f"{uncertainty:.2g}"

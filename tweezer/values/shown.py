@@ -93,7 +93,7 @@ class Shown:
 def as_text(card: Card) -> str:
     """Return a card as text: the title, a line for each row except details, and the notes.
 
-    It has the signs µ, ± and · if the encoding of the standard output has them.
+    It contains the characters µ, ± and · if the encoding of the standard output contains them.
     """
     rows = [row for row in card.rows if not row.detail]
     width = max((len(row.name) for row in rows), default=0)

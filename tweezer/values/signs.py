@@ -1,4 +1,4 @@
-"""The signs of print in texts that people read: µ, ±, ², · in place of u, +-, ^2 and a space.
+"""Typographic characters in texts for people: µ, ±, ² and · instead of u, +-, ^2 and a space.
 
 Texts are made with ASCII alone, as files have them. They are typeset where they are shown: on
 pages, in figures and in Jupyter always, in a terminal and by `repr` if the encoding of its output
@@ -22,16 +22,16 @@ _SIGNS = "µ±·²³"
 
 
 def typeset(text: str) -> str:
-    """Return a text with the signs of print: "nN·s/m" of "nN s/m", "µm²" of "um^2"."""
+    """Return a text with typographic characters: "nN·s/m" for "nN s/m", "µm²" for "um^2"."""
     text = _MICRO.sub("µ", text.replace("+-", "±"))
     text = _OF_THREE.sub(r"\1·", _PRODUCT.sub(r"\1·", text))
     return _POWER.sub(lambda power: _SQUARE_AND_CUBE[power[1]], text)
 
 
 def for_stream(text: str, stream: IO[str] | None) -> str:
-    """Return a text as a stream shows it: typeset if the encoding of the stream has the signs.
+    """Return `text` with typographic characters, if the encoding of the stream contains them.
 
-    A stream without an encoding, such as a text in memory, shows every sign.
+    A stream without an encoding, such as one in memory, accepts all characters.
     """
     try:
         _SIGNS.encode(getattr(stream, "encoding", None) or "utf-8")

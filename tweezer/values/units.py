@@ -83,8 +83,8 @@ def registry() -> pint.UnitRegistry:
 def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf) -> float:
     """Return a quantity as a number in an SI unit.
 
-    A number without a unit is taken to be in that unit. Text, quantities of any pint registry, and
-    xarray numbers with the attribute `units` are converted.
+    A number without a unit is assumed to be in this unit. Text, quantities of any pint registry,
+    and xarray numbers with the attribute `units` are converted.
 
     Parameters
     ----------

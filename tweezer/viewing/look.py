@@ -17,16 +17,16 @@ if TYPE_CHECKING:
 
 
 def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
-    """Return an interactive page of a result: one HTML file that needs no server and no network.
+    """Return an interactive page of a result: one HTML file that requires no server or network.
 
-    In Jupyter the page is shown. `Page.save(path)` writes it, and `Page.open()` shows it in a
-    browser.
+    Jupyter displays the page. `Page.save(path)` writes it to a file, and `Page.open()` shows it in
+    a browser.
 
     Parameters
     ----------
     of : Dataset, Trap, Scene, str or Path
-        A run, an ensemble, a sweep or a trap, or the file of one (.nc, .zarr, .json of `tweezer
-        trap --out`); or a scene, or the name or file of one, which is simulated first.
+        A run, an ensemble, a sweep or a trap, or its file (.nc, .zarr, .json of `tweezer trap
+        --out`). A scene, or its name or file, is simulated first.
 
     Returns
     -------
@@ -36,7 +36,7 @@ def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
     Raises
     ------
     ResultError
-        For a result that no page shows.
+        For a result without a page.
     SceneError
         For a scene that is not valid.
 
