@@ -1,4 +1,4 @@
-"""Resistance to the motion of a bead: drag, as mobilities by position, and fluid inertia."""
+"""Resistance of the fluid to the motion of a bead: mobilities by position, and fluid inertia."""
 
 from __future__ import annotations
 

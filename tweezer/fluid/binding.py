@@ -11,7 +11,8 @@ from tweezer.values.arrays import Array
 def drag(scene: Scene) -> Drag:
     """Return the drag of the bead of `scene`.
 
-    In a fluid with memory walls are so far away (`tweezer.scene.FREE`) that they are ignored.
+    With hydrodynamic memory, walls are ignored, because they must be far away
+    (`tweezer.scene.FREE`).
     """
     free = stokes(scene.medium.viscosity, scene.bead.radius)
     if scene.wall is None or scene.medium.inertia == "memory":
@@ -20,9 +21,9 @@ def drag(scene: Scene) -> Drag:
 
 
 def left_out_of_walls(scene: Scene, positions: Array) -> Array:
-    """Return the fractions by which a wall slows a bead along and across it, (n, 2).
+    """Return the fractions by which walls slow a bead parallel and perpendicular to them, (n, 2).
 
-    They are the error of a fluid with memory, which ignores walls. positions: (n, 3) m.
+    They are the error of a fluid with memory, which ignores walls. `positions` are (n, 3) m.
     """
     beside = drag(scene.decided(medium={"inertia": "none", "poles": None}))
     free = stokes(scene.medium.viscosity, scene.bead.radius).translation

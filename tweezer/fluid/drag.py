@@ -1,13 +1,14 @@
-"""Drag: a compiled kernel and its data, which give the mobility of a bead at a position.
+"""Drag of a bead: a compiled kernel and its data, which return the mobilities at a position.
 
-A fluid that is the same all around N3, as beside a wall across it, gives a bead five mobilities
-(`derivation.drag`). Two are for translation across and along N3, two for rotation across and about
-it, and one for rolling. Far from everything they are Stokes's (2.13-2.15).
+In a fluid that is symmetric about N3, as beside a wall perpendicular to N3, a bead has five
+mobilities (`derivation.drag`). Two apply to translation perpendicular and parallel to N3, two to
+rotation about these directions, and one to rolling. In an unbounded fluid they follow from Stokes's
+law (2.13-2.15).
 
-They are entries of the symmetric 6 x 6 matrix of any body about its centre of mass
-(`Drag.mobility_matrices`). Compiled loops read the five. With the 21 numbers of the matrix the
-product with force and moment would take 1.5 times as long. The solution for the drag of a given
-motion would take 5.8 times as long, which a sphere does not need.
+They are entries of the symmetric 6 x 6 mobility matrix of a body about its centre of mass
+(`Drag.mobility_matrices`). Compiled loops read only these five. With the 21 independent entries of
+the full matrix, its product with force and torque would take 1.5 times as long, and the drag of a
+given motion 5.8 times as long.
 """
 
 from __future__ import annotations
@@ -31,17 +32,17 @@ Kernel = Callable[[Any, Data, Any], None]
 
 
 class Mobility(NamedTuple):
-    """Mobilities of n beads, velocity per force; a drag's kernel fills the arrays."""
+    """Mobilities of n beads, velocity per force; the kernel of a drag fills the arrays."""
 
     value: Array
     """(n, 5): parallel and perpendicular to a wall across N3, s/kg; turn, across N3, and spin,
     about it, 1/(N m s); roll, the velocity along N1 by a moment about N2, 1/(N s)"""
     gradient: Array
-    """(n, 5, 3) over the position, each over m; (0, 5, 3) where it is not asked for"""
+    """(n, 5, 3) gradients with respect to the position, per m; (0, 5, 3) if not requested"""
 
 
 class Walls(Protocol):
-    """Planes across z that a bead may touch. Its mobility towards them vanishes at contact."""
+    """Planes perpendicular to z. The mobility towards them vanishes at contact."""
 
     @property
     def planes(self) -> tuple[tuple[float, float], ...]:
@@ -68,12 +69,12 @@ class Drag(ABC):
 
     @property
     def oriented(self) -> bool:
-        """Whether it depends on the orientation of the bead."""
+        """Whether the drag depends on the orientation of the bead."""
         return False
 
     @property
     def walls(self) -> Walls | None:
-        """Walls that thermal motion needs a scheme of its own for; None without them."""
+        """Walls, beside which thermal motion requires a special scheme; None without walls."""
         return None
 
     @abstractmethod
@@ -135,8 +136,9 @@ class Drag(ABC):
     ) -> Array:
         """Return the mobility matrices about the centre of mass.
 
-        A matrix multiplied by the force and the moment on the bead gives its velocity and its
-        angular velocity, all along N1, N2 and N3. It is symmetric and positive definite.
+        The product of a matrix with the force and the torque on the bead is its velocity and its
+        angular velocity, with components along N1, N2 and N3. It is symmetric and positive
+        definite.
 
         Parameters
         ----------
@@ -151,8 +153,8 @@ class Drag(ABC):
         Returns
         -------
         ndarray, shape (n, 6, 6)
-            Translation by a force, s/kg; rotation by a moment, 1/(N m s); and the blocks that
-            couple them, 1/(N s).
+            Mobility matrices: translation due to a force, s/kg, rotation due to a torque, 1/(N m
+            s), and the blocks that couple them, 1/(N s).
 
         Raises
         ------
@@ -181,7 +183,7 @@ def _uniform(pose, data, mobility):  # type: ignore[no-untyped-def]
 
 @dataclass(frozen=True)
 class Stokes(Drag):
-    """Drag of a sphere far from everything, without inertia of the fluid (2.13-2.15)."""
+    """Drag of a sphere in an unbounded fluid without inertia (2.13-2.15)."""
 
     translation: float
     """beta_v = 6 pi mu r, kg/s"""
@@ -190,7 +192,7 @@ class Stokes(Drag):
 
     @property
     def uniform(self) -> bool:
-        """Whether the drag is the same everywhere: it is."""
+        """Whether the drag is the same everywhere: True."""
         return True
 
     def compiled(self) -> tuple[Kernel, Data]:
@@ -206,8 +208,7 @@ def stokes(viscosity: float, radius: float) -> Stokes:
 def by_axis(value: Array) -> Array:
     """Return mobilities along N1, N2, N3 and about them, (n, 6), from the five (n, 5).
 
-    Rolling, which couples force and rotation, is left out. Along N1 and N2 the bead has the
-    mobility parallel to a wall, and about them that of turning.
+    Rolling, which couples force and rotation, is omitted. N1 and N2 are parallel to the wall.
     """
     return value[:, [0, 0, 1, 2, 2, 3]]
 

@@ -5,15 +5,15 @@ E. M. Lifshitz, Fluid Mechanics, section 24) is, for a motion v = e^(st),
 
     gamma(s) = beta (1 + sqrt(s tau_f) + s tau_f/9),    tau_f = r^2 rho_m/mu_m,
 
-where the last term is the added mass, m_f/2. The root is the memory of the vorticity shed before.
-Here it is a sum of c_k s tau_f/(s tau_f + p_k) with c_k, p_k > 0 (`derivation/memory_poles.json`),
-as if the bead dragged fictitious masses through dashpots. The response to a force then has as many
-simple poles as there are masses, and one more:
+where the last term is the added mass, m_f/2. The square root describes the memory of the vorticity
+that the bead shed earlier. It is approximated by a sum of c_k s tau_f/(s tau_f + p_k) with c_k, p_k
+> 0 (`derivation/memory_poles.json`), as if the bead dragged fictitious masses through dashpots. The
+response to a force then has one simple pole more than there are masses:
 
     1/(m s + gamma(s)) = (1/beta) sum_j a_j/(1 + s tau_j),    a_j > 0,    sum_j a_j = 1.
 
-The bead thus moves by v = sum_j a_j v_j. Each v_j relaxes to the slow velocity F/beta in the time
-tau_j, with independent thermal noise.
+The velocity of the bead is therefore v = sum_j a_j v_j. Each v_j relaxes to the slow velocity
+F/beta in the time tau_j, with independent thermal noise.
 """
 
 from __future__ import annotations
@@ -51,8 +51,9 @@ class Modes(NamedTuple):
 
     @property
     def struck(self) -> Array:
-        """Velocities of the modes, (modes,), after an impulse gave a bead in fluid at
-        rest 1 m/s.
+        """Velocities of the modes, (modes,), of a bead suddenly accelerated to 1 m/s.
+
+        The fluid is at rest before.
         """
         stroke: Array = 1 / (self.times * (self.weights / self.times).sum())
         return stroke
@@ -61,7 +62,7 @@ class Modes(NamedTuple):
 def drag_at(frequencies: Array, drag: float, displaced_mass: float) -> Complex:
     """Return the drag gamma(2 pi i f), kg/s, with the added mass, at frequencies f (n,), Hz.
 
-    drag: steady drag beta, kg/s. displaced_mass: mass of the fluid in the bead's place, kg.
+    `drag` is the steady drag beta, kg/s, and `displaced_mass` the mass of the displaced fluid, kg.
     """
     real, imaginary = _drag_of_translation(
         2 * np.pi * frequencies, drag, 4.5 * displaced_mass / drag
@@ -70,7 +71,7 @@ def drag_at(frequencies: Array, drag: float, displaced_mass: float) -> Complex:
 
 
 def single(time: float) -> Modes:
-    """Return the one mode of a bead without hydrodynamic memory; time: relaxation time, s."""
+    """Return the only mode of a bead without hydrodynamic memory, with relaxation `time`, s."""
     return Modes(np.array([time]), np.ones(1))
 
 
@@ -84,7 +85,7 @@ def modes(mass: float, drag: float, displaced_mass: float, poles: int) -> Modes:
     drag : float
         Steady drag beta, kg/s.
     displaced_mass : float
-        Mass m_f of the fluid in the bead's place, kg. If it is 0, there is one mode with the time
+        Mass m_f of the displaced fluid, kg. If it is 0, there is one mode with the relaxation time
         m/beta.
     poles : int
         Number of poles of the memory.
@@ -113,10 +114,9 @@ def modes(mass: float, drag: float, displaced_mass: float, poles: int) -> Modes:
 
 
 def enough_poles(way: float, tolerance: float) -> int:
-    """Return the smallest number of poles with which a lag has at most a fraction of the tolerance
-    in error.
+    """Return the smallest number of poles whose error is below a fraction of the tolerance.
 
-    way: lag of the bead due to fluid inertia, m. tolerance: of the position, m.
+    `way` is the lag of the bead due to fluid inertia, m, and `tolerance` that of the position, m.
     """
     for n, (_, error, *_) in memory_poles.ERRORS.items():
         if _ERROR_PER_LAG * error * way <= _PART * tolerance:
@@ -128,8 +128,8 @@ def other_poles(poles: int) -> int:
     """Return a number of poles for comparison: the largest, or for the largest the next smaller
     one.
 
-    The next larger number would not do: in a viscous liquid the motion changes less from 8 poles to
-    12 than from 12 to 40.
+    The next larger number would not suffice: in a viscous liquid the motion changes less from 8
+    poles to 12 than from 12 to 40.
     """
     numbers = sorted(NODES)
     return numbers[-1] if poles < numbers[-1] else numbers[-2]

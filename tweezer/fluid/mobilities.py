@@ -1,4 +1,4 @@
-"""The exact mobilities of a sphere beside a plane, by name."""
+"""The exact mobilities of a sphere near a plane wall."""
 
 from __future__ import annotations
 
@@ -39,25 +39,26 @@ def _fill(gaps, found):  # type: ignore[no-untyped-def]
 
 
 def wall_mobilities(gap_over_radius: QuantitiesLike) -> xr.Dataset:
-    """Return the mobilities of a sphere beside a plane wall, in slow flow, by its gap.
+    """Return the mobilities of a sphere near a plane wall in slow flow, as functions of the gap.
 
-    Each mobility is divided by its value far from the wall. A bead that a force pulls along the
-    wall turns freely, and one that a moment turns moves freely: nothing else acts on it.
+    Each mobility is relative to its value far from the wall. The mobilities apply to a free bead:
+    when a force pulls it along the wall it rolls, and when a torque turns it, it also translates.
 
     Parameters
     ----------
     gap_over_radius : array_like
-        Distance of the wall from the sphere's surface, in radii, of any shape.
+        Gap between the wall and the surface of the sphere, in radii.
 
     Returns
     -------
     xarray.Dataset
         Over the dimensions of `gap_over_radius`:
 
-        * perpendicular, parallel: mobilities across the wall and along it
-        * spin, turn: rotational mobilities about the normal of the wall and about an axis along it
-        * roll: radius times angular velocity, over the velocity, of a bead that a force pulls along
-          the wall, in the sense in which a ball rolls
+        * perpendicular, parallel: translational mobilities perpendicular and parallel to the wall
+        * spin, turn: rotational mobilities about the normal of the wall and about an axis parallel
+          to it
+        * roll: radius times angular velocity divided by velocity, for a bead that a force pulls
+          along the wall; positive in the sense in which a ball rolls
 
     Raises
     ------
@@ -66,9 +67,9 @@ def wall_mobilities(gap_over_radius: QuantitiesLike) -> xr.Dataset:
 
     Notes
     -----
-    The values are the exact series, to a relative 2e-12, down to a gap of 1e-5 radii. Below this
-    gap, where a real surface is rough, `perpendicular` goes to zero with the gap and the others
-    stay as they are.
+    The values agree with the exact series to a relative 2e-12, down to a gap of 1e-5 radii. At
+    smaller gaps, at which real surfaces are rough, `perpendicular` is proportional to the gap and
+    the others are constant.
 
     References
     ----------

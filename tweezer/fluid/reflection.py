@@ -1,18 +1,20 @@
-"""The effect of a wall on the drag of a sphere at one height, without and with fluid inertia.
+"""Drag of a sphere at a fixed height above a wall, without and with fluid inertia.
 
-Without inertia the mobilities along and across the wall are exact (`tweezer.generated.wall`).
+Without inertia the mobilities parallel and perpendicular to the wall are exact
+(`tweezer.generated.wall`).
 
-With inertia the wall reflects the flow that the sphere makes. The reflected flow carries the sphere
-along, with a velocity G(s) for a force of 1 (`derivation.hydrodynamics`; for a point B. U.
-Felderhof, J. Phys. Chem. B 109, 21406 (2005)), so that
+With inertia the wall reflects the flow that the sphere generates. The reflected flow carries the
+sphere along, with the velocity G(s) per unit force (`derivation.hydrodynamics`; for a point
+particle B. U. Felderhof, J. Phys. Chem. B 109, 21406 (2005)), so that
 
     gamma(s) = gamma_0(s)/(1 + c beta^2 G(s)/gamma_0(s)),
 
-with gamma_0 and beta far from the wall. It includes one reflection. Its steady drag would follow
-Faxen's mobilities; the factor c, 1.08 at most, corrects it to the exact ones. Where s is large it
-has the added mass of ideal flow. A physical drag is due to dashpots and fictitious masses,
-beta (1/mobility + sum c_k s tau_f/(s tau_f + p_k) + m s tau_f) with no c_k below 0. The closest
-drag of this form is used, with the poles p_k of a sphere far from everything.
+where gamma_0 and beta apply far from the wall. This formula includes one reflection. Without the
+factor c, its steady drag would follow Faxen's mobilities; c, at most 1.08, makes it exact. For
+large s the formula contains the added mass of ideal flow. A physical drag is equivalent to dashpots
+and fictitious masses, beta (1/mobility + sum c_k s tau_f/(s tau_f + p_k) + m s tau_f) with no
+negative c_k. The closest drag of this form is used, with the poles p_k of a sphere in an unbounded
+fluid.
 """
 
 from __future__ import annotations
@@ -43,9 +45,9 @@ _SMALL = 0.05
 
 
 class Memory(NamedTuple):
-    """Drag over the steady drag, by poles: 1 + sum_k weights_k s/(s + rates_k) + mass s.
+    """Frequency-dependent drag divided by the steady drag, as a sum over poles.
 
-    s is in 1/tau_f.
+    It is 1 + sum_k weights_k s/(s + rates_k) + mass s, with s in units of 1/tau_f.
     """
 
     rates: Array
@@ -55,18 +57,19 @@ class Memory(NamedTuple):
     mass: float
     """coefficient of the added mass"""
     mobility: float
-    """steady mobility over that far from everything; tau_f is defined with the drag there"""
+    """steady mobility, relative to an unbounded fluid; tau_f is defined with the drag in an
+    unbounded fluid"""
 
     @property
     def added(self) -> float:
-        """Added mass, over the mass of the fluid in the bead's place: 1/2 far from everything."""
+        """Added mass, relative to the mass of the displaced fluid: 1/2 in an unbounded fluid."""
         return 4.5 * self.mass / self.mobility
 
     def drag_at(self, frequencies: Array, drag: float, displaced_mass: float) -> Complex:
         """Return the drag gamma(2 pi i f), kg/s, with the added mass, at frequencies f (n,), Hz.
 
-        drag: steady drag at the bead's position, kg/s. displaced_mass: mass of the fluid in the
-        bead's place, kg.
+        `drag` is the steady drag at the bead's position, kg/s, and `displaced_mass` the mass of the
+        displaced fluid, kg.
         """
         time = 4.5 * displaced_mass / (drag * self.mobility)
         s = 2j * np.pi * time * np.asarray(frequencies, np.float64)[..., None]
@@ -76,15 +79,16 @@ class Memory(NamedTuple):
 
 @lru_cache(maxsize=8)
 def memory_far(poles: int) -> Memory:
-    """Return the drag of a sphere far from everything, with a number of poles."""
+    """Return the drag of a sphere in an unbounded fluid, with a number of poles."""
     rates, weights = (np.array(each) for each in NODES[poles])
     return Memory(rates, weights, 1 / 9, 1.0)
 
 
 def steady(gap: float) -> tuple[float, float, float, float]:
-    """Return the mobilities along and across a wall over those far away, and their derivatives.
+    """Return the relative mobilities parallel and perpendicular to a wall, and their derivatives.
 
-    The derivatives, in the same order, are by the gap. gap: between the surfaces, in radii.
+    The mobilities are relative to those far from the wall. The derivatives with respect to `gap`,
+    the distance between the surfaces in radii, are in the same order.
     """
     across, along, *_, d_across, d_along, _, _, _ = _mobilities(gap)
     return along, across, d_along, d_across
@@ -93,11 +97,11 @@ def steady(gap: float) -> tuple[float, float, float, float]:
 def reflected(x: Complex, height: float, *, across: bool) -> Complex:
     """Return beta G(s): velocity of a sphere in the flow that a wall reflects, (n,).
 
-    It is relative to the velocity that the force would give in steady flow far from everything. `x`
+    It is relative to the velocity due to the same force in steady flow in an unbounded fluid. `x`
     (n,) is alpha r = sqrt(s tau_f), not 0, and `height` the sphere's centre above the wall, in
-    radii. `across` selects motion across the wall instead of along it. The integral over waves
-    e^(i q X) comes from `derivation.hydrodynamics`, with differences written so that nothing
-    cancels for small x.
+    radii. `across` selects motion across the wall instead of along it. The integral over waves e^(i
+    q X) comes from `derivation.hydrodynamics`, with differences written so that nothing cancels for
+    small x.
     """
     x = np.asarray(x, np.complex128)[:, None]
     points, weights = np.polynomial.legendre.leggauss(_POINTS)

@@ -1,15 +1,15 @@
-"""Drag of a sphere beside a plane, or between two: the exact mobilities by the gap.
+"""Drag of a sphere near a plane, or between two, from the exact mobilities.
 
 They are the mobilities in Stokes flow (H. Brenner, Chem. Eng. Sci. 16:242 (1961); G. B. Jeffery
 1915; M. E. O'Neill 1964; W. R. Dean and M. E. O'Neill 1963), derived in `derivation.wall`. Far away
-they are Stokes's. At contact the mobility towards the wall is proportional to the gap.
+they follow Stokes's law. Near contact the mobility towards the wall is proportional to the gap.
 
-With a second plane the resistances of both, less Stokes's, are added (C. W. Oseen, Hydrodynamik
-(1927)). In a cell of thickness L this overestimates the friction. To leading order, in the middle
-of the cell the error is 1.6 r/L of Stokes's friction across the cell and 0.25 r/L along it. Along
-the cell next to a plane, which hides the other one, it is 0.6 r/L. In the middle the exact friction
-is 1 + 2.903 r/L and 1 + 2.008 r/L, against 1 + 4.5 r/L and 1 + 2.25 r/L (L. Lobry, N. Ostrowsky,
-Phys. Rev. B 53:12050 (1996)).
+With a second plane, the additional resistances due to both planes are added (C. W. Oseen,
+Hydrodynamik (1927)). In a cell of thickness L this overestimates the friction. To leading order, in
+the middle of the cell, the error is 1.6 r/L of Stokes's friction for motion across the cell and
+0.25 r/L along it. Next to a plane, which screens the other one, the error along the cell is 0.6
+r/L. In the middle the exact friction is 1 + 2.903 r/L and 1 + 2.008 r/L, against 1 + 4.5 r/L and 1
++ 2.25 r/L (L. Lobry, N. Ostrowsky, Phys. Rev. B 53:12050 (1996)).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class BesideWall(Drag):
     """Drag of a sphere beside one plane across z, or between two."""
 
     stokes: Stokes
-    """drag far from everything"""
+    """drag in an unbounded fluid"""
     radius: float
     """radius r of the sphere, m"""
     planes: tuple[tuple[float, float], ...]
@@ -92,8 +92,9 @@ def between_walls(g, room):  # type: ignore[no-untyped-def]
     """Return five mobilities over Stokes's beside one plane or between two, and their derivatives.
 
     `g` is the gap to one plane, and `room` the sum of the gaps to both, infinite for one plane;
-    both are in radii. The mobilities are towards the planes, along them, of spin, of turn and of
-    rolling (times a radius). The derivatives of these five by g follow.
+    both are in radii. The five mobilities apply to motion perpendicular and parallel to the planes,
+    spin, turn and rolling (times a radius). They are followed by their derivatives with respect to
+    g.
     """
     across, along, spin, turn, roll, across_by, along_by, spin_by, turn_by, roll_by = (
         wall.mobilities(g)

@@ -1,7 +1,7 @@
-"""Forces and moments on a bead: the interface of every force, and forces made of forces.
+"""Forces and torques on a bead: the interface of all forces, and combinations of forces.
 
-To define a force, pass a function for `kernel` to `UserForce`; `tweezer.simulate(scene,
-forces=[...])` adds it to the forces of the scene.
+To define a force, decorate a function with `kernel` and pass it to `UserForce`.
+`tweezer.simulate(scene, forces=[...])` adds it to the forces of the scene.
 """
 
 from tweezer.forces.composed import Course, Moved, Sum

@@ -1,4 +1,4 @@
-"""Forces beside those of a scene: read as an argument, and tried where and when they will act."""
+"""The user's own forces: read from an argument, and tried at the positions of a run."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _STEP = 1e-10
 
 
 def forces_of(given: Any) -> tuple[Force, ...]:
-    """Return the forces of an argument `forces`; text names one in a Python file.
+    """Return the forces in an argument `forces`; text names a force in a Python file.
 
     Raises `SceneError` unless it is a list of forces.
     """
@@ -65,7 +65,7 @@ def try_forces(forces: Iterable[Force], places: Array, duration: float) -> None:
 
     * raises an exception, is not finite or has a negative error,
     * depends on the number of beads,
-    * depends on the time or exerts a moment without the declaration,
+    * depends on the time or exerts a torque without declaring it,
     * has a wrong gradient.
     """
     for each in forces:
@@ -127,7 +127,7 @@ def _alike(one: Array, other: Array) -> bool:
 
 
 def name_of(force: Force) -> str:
-    """Return the name of a force in messages: of its function if it is the user's own."""
+    """Return the name of a force for messages: the name of its function for a user's own force."""
     own = next(own_forces(force), None)
     name = type(force).__name__ if own is None else own.function.__name__
     return f"forces: {name}"

@@ -1,6 +1,6 @@
-"""Forces made of other forces: sums, forces that move or change in strength, numerical gradients.
+"""Combinations of forces: sums, forces that move or change in strength, numerical gradients.
 
-A new combination compiles nothing: its kernel calls the kernels of the parts by address.
+A combination requires no compilation, because its kernel calls the kernels of the parts by address.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Sum(Force):
 
     @property
     def parts(self) -> tuple[Force, ...]:
-        """Forces that this force is made of; see `Force.parts`."""
+        """Forces of which this force is a combination; see `Force.parts`."""
         return self.forces
 
     def field(
@@ -150,9 +150,9 @@ def read_argument(name: str, read: Callable[..., Any], *arguments: Any) -> Any:
 class Course:
     """A number or a vector as a function of time: linear between points, plus a sine.
 
-    It is constant before the first point and after the last. Two points at one time are a jump;
-    at that time the second holds. A periodic course repeats the points after `period`. Numbers are
-    SI; all of them may be given as quantities of pint, or text such as "2 ms".
+    It is constant before the first point and after the last. Two points at the same time define a
+    jump; the second applies at that time. A periodic course repeats the points after `period`.
+    Numbers are in SI units; quantities of pint and text such as "2 ms" are converted.
 
     Examples
     --------
@@ -165,7 +165,7 @@ class Course:
     times: Array
     """(n,) s, ascending"""
     values: Array
-    """(n, m) at these times, in SI units"""
+    """(n, m) values at these times, in SI units"""
     amplitude: Array
     """amplitude of the sine, (m,)"""
     frequency: float = 0.0
@@ -176,7 +176,7 @@ class Course:
     """period after which the points repeat, s"""
 
     unit: str = field(init=False)
-    """SI unit that values and amplitude were given with; "" if they are numbers"""
+    """SI unit of values and amplitude; "" if they were given as numbers"""
 
     def __post_init__(self) -> None:
         """Convert the arguments to SI; raise `ValueError` for invalid arrays, times or units."""
@@ -211,7 +211,7 @@ class Course:
 
     @classmethod
     def constant(cls, *values: QuantityLike) -> Course:
-        """Return a course that never changes; values: its m numbers."""
+        """Return a course that never changes, with m `values`."""
         return cls(np.zeros(1), [list(values)], np.zeros(len(values)))  # type: ignore[arg-type]
 
     @property
@@ -299,16 +299,16 @@ def _course_at(data, first, time, out):  # type: ignore[no-untyped-def]
 
 @dataclass(frozen=True)
 class Moved(Force):
-    """A force whose origin and strength are functions of time; it may be turned upside down."""
+    """A force whose origin and strength are functions of time; it may also be inverted."""
 
     force: Force
     """the force at rest"""
     place: Course
     """origin of the force, (3,) m"""
     strength: Course
-    """factor of force, moment and gradients, (1,)"""
+    """factor that multiplies force, torque and gradients, (1,)"""
     down: bool = False
-    """whether it is turned by 180 degrees about x, so that its z axis points down"""
+    """whether the force is rotated by 180 degrees about x, so that its z axis points down"""
 
     def __post_init__(self) -> None:
         """Raise `ValueError` unless the courses have 3 lengths, and 1 number without a unit."""
@@ -321,7 +321,7 @@ class Moved(Force):
 
     @property
     def parts(self) -> tuple[Force, ...]:
-        """Forces that this force is made of; see `Force.parts`."""
+        """Forces of which this force is a combination; see `Force.parts`."""
         return (self.force,)
 
     def within(self, positions: Array, time: float) -> Array:
@@ -447,7 +447,7 @@ class Differenced(Force):
 
     @property
     def parts(self) -> tuple[Force, ...]:
-        """Forces that this force is made of; see `Force.parts`."""
+        """Forces of which this force is a combination; see `Force.parts`."""
         return (self.force,)
 
     @property

@@ -1,4 +1,4 @@
-"""The data of a force as two arrays of one type, so that one compiled loop serves every force."""
+"""The data of a force as two arrays of fixed types, so that one loop serves every force."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Data(NamedTuple):
 
 
 class Part(NamedTuple):
-    """A force as part of another one, or as a compiled loop takes it."""
+    """A force in the form in which compiled loops and other forces call it."""
 
     kernel: int
     """address of the compiled kernel"""
@@ -47,7 +47,7 @@ class Part(NamedTuple):
 def packed(*entries: Any) -> Data:
     """Return the data of a force from its entries: numbers, arrays (real or int32) and `Part`s.
 
-    Compiled code reads an entry by its number, from 0, with `number`, `vector`, `part` and so on.
+    Compiled code reads an entry by its index, with `number`, `vector`, `part` and so on.
     """
     flat: list[Array] = []
     own = np.zeros((len(entries), COLUMNS), np.int64)
@@ -77,9 +77,9 @@ def packed(*entries: Any) -> Data:
 
 
 def renumbered(data: Data, numbers: dict[int, float]) -> Data:
-    """Return a copy of data with other values of single numbers.
+    """Return a copy of data in which some entries that are single numbers have new values.
 
-    numbers: new value by the number of the entry, which must be one number.
+    `numbers` contains new values by the index of the entry, which must be a single number.
     """
     changed = _by_lines(data.numbers.size)
     changed[:] = data.numbers
@@ -103,7 +103,7 @@ def begin_of(data, entry):  # type: ignore[no-untyped-def]
 
 @named_njit(error_model="numpy")
 def number(data, entry):  # type: ignore[no-untyped-def]
-    """Return an entry of a force's data that is one number; entry: its number, from 0."""
+    """Return the entry of a force's data with the index `entry`, which is a single number."""
     return data.numbers[data.shapes[entry, 0]]
 
 
@@ -139,7 +139,7 @@ def tensor_of_four(data, entry):  # type: ignore[no-untyped-def]
 
 @named_njit(error_model="numpy")
 def integers(data, entry):  # type: ignore[no-untyped-def]
-    """Return an entry of a force's data that is an array of 32-bit integers, of one axis.
+    """Return an entry of a force's data that is an array of 32-bit integers with one axis.
 
     Two of them are stored in the memory of one number.
     """

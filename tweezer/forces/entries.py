@@ -1,4 +1,4 @@
-"""Entries of a force's data as a `UserForce` reads them: the number and the kind are checked.
+"""Entries of a force's data as a `UserForce` reads them, with checks of index and kind.
 
 An entry that does not exist or has another kind raises an `IndexError`. Built-in forces use the
 readers in `tweezer.forces.data`, which have no checks.

@@ -1,4 +1,4 @@
-"""Where the forces on a bead cancel, and whether they hold the bead there."""
+"""Equilibria: positions at which the forces on a bead cancel, and their stability."""
 
 from __future__ import annotations
 
@@ -47,28 +47,28 @@ DIRECTIONS: dict[str, tuple[float, float, float]] = {
 
 
 class Search(NamedTuple):
-    """Lengths by which a force is searched for its zeros and its largest values, m."""
+    """Lengths that control the search for zeros and largest values of a force, m."""
 
     near: float
     """distance from the origin up to which lines are sampled evenly"""
     spacing: float
     """distance between samples there"""
     beside: float
-    """distance from an equilibrium at which the force must pull back"""
+    """distance from an equilibrium at which the force must be restoring"""
     reach: float
     """distance up to which lines are searched; beyond `near` the spacing of samples grows with the
     distance"""
     coarsest: float = math.inf
     """largest distance between samples"""
     besides: tuple[float, ...] = ()
-    """z, m from the origin, of more samples on lines along z: next to walls, say"""
+    """z of additional samples on lines along z, for example next to walls, m"""
     farthest: float = 0.0
     """largest distance on the axis at which the light may carry the weight of the bead, m"""
     known: float = math.inf
     """distance from the origin up to which the force is known, m"""
 
     def edges(self, end: float, samples: float = 1.0) -> Array:
-        """Return positions on a line from 0 to `end`, m: every so many samples (`samples`) one."""
+        """Return positions on a line from 0 to `end`, m: one for every `samples` samples."""
         evenly = min(end, self.near)
         count = math.ceil(evenly / (samples * self.spacing) * (1 - 1e-9))
         near = np.linspace(0.0, evenly, count + 1)
@@ -100,25 +100,25 @@ class Search(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium(Comparable):
-    """A place where all forces but drag cancel."""
+    """A position at which all forces except drag cancel."""
 
     position: Vector
     """(3,) m from the focus"""
     stable: bool
-    """whether a bead beside it comes to rest there: every eigenvalue of `stiffness` has a positive
-    real part, `Search.beside` off it along every axis the force pulls back, and the linear motion
-    with the inertia of the scene's model has no growing root (`spiral_rate`)"""
+    """whether a displaced bead returns to it. Three conditions apply: all eigenvalues of
+    `stiffness` have positive real parts, the force is restoring at the distance `Search.beside`
+    along every axis, and the linear motion with the inertia of the scene's model does not grow
+    (`spiral_rate`)"""
     stiffness: Vector
-    """the matrix k_ij = -dF_i/dx_j, (3, 3) N/m, the light's own derivative; not symmetric in
-    general"""
+    """matrix k_ij = -dF_i/dx_j, (3, 3) N/m, from the gradient of the force; may be asymmetric"""
     eigenvalues: Vector
-    """real parts of the eigenvalues of k, rising, (3,) N/m; over beta_v the rates of return
-    (5.2)"""
+    """(3,) N/m, real parts of the eigenvalues of k in ascending order; divided by beta_v, they are
+    relaxation rates (5.2)"""
     residual: float
-    """size of the force left there, N"""
+    """magnitude of the remaining force, N"""
     spiral_rate: float = 0.0
-    """rate at which a bead that is pulled back leaves the place on a growing spiral, 1/s, where
-    inertia and the push of the light round the axis are stronger than the drag; 0 elsewhere"""
+    """growth rate of a spiral motion away from the equilibrium, 1/s, which occurs if inertia and
+    the azimuthal force of the light outweigh the drag; otherwise 0"""
 
     @property
     def stiffness_xyz(self) -> Array:
@@ -127,10 +127,10 @@ class Equilibrium(Comparable):
 
     @property
     def turn(self) -> float:
-        """(dF_y/dx - dF_x/dy)/2, N/m: how stiffly the light pushes a bead off the axis round it.
+        """Stiffness (dF_y/dx - dF_x/dy)/2, N/m, with which the light pushes a bead around the axis.
 
-        It is half the circulation of the force about the axis, per area, and zero where the force
-        has a potential.
+        It is half the circulation of the force about the axis, per area, and zero if the force has
+        a potential.
         """
         return float(self.stiffness[0, 1] - self.stiffness[1, 0]) / 2
 
@@ -144,7 +144,7 @@ def nearest_stable(every: Iterable[Equilibrium]) -> Equilibrium | None:
 def equilibria(
     radius: float, search: Search, field: Field, net_force: NetForce, spiral_rate: SpiralRate
 ) -> Iterator[Equilibrium]:
-    """Yield the equilibria on the axis: positions where the net force changes its sign.
+    """Yield the equilibria on the axis, at which the net force changes its sign.
 
     Parameters
     ----------
@@ -173,8 +173,8 @@ def equilibria_about(
 ) -> Iterator[Equilibrium]:
     """Yield the equilibria near the axes of several foci.
 
-    They are searched by Newton's method (`scipy.optimize.root`) from the focus and from every
-    change of sign of the axial force on its axis, which is searched up to the other foci at least.
+    Newton's method (`scipy.optimize.root`) starts at each focus and at every sign change of the
+    axial force on its axis. The axis is searched at least as far as the other foci.
 
     Parameters
     ----------
@@ -277,7 +277,7 @@ def _vanishing(
 
 
 class AstrayError(Exception):
-    """Newton's method has left the region in which it searches."""
+    """Newton's method has left the region of the search."""
 
 
 def equilibrium_at(
@@ -321,7 +321,7 @@ def equilibrium_at(
 def along(force: NetForce, origin: Array, direction: str) -> Component:
     """Return the component of a force along a line, as a function of the distance on it, m.
 
-    origin: (3,) m, where the line begins. direction: its name in `DIRECTIONS`, "+x" say.
+    The line begins at `origin`, (3,) m. `direction` is a name in `DIRECTIONS`, such as "+x".
     """
     start, unit = origin, np.array(DIRECTIONS[direction])
 
@@ -333,7 +333,7 @@ def along(force: NetForce, origin: Array, direction: str) -> Component:
 
 
 def opposite(component: Component) -> Component:
-    """Return the component of a force with the other sign."""
+    """Return the component of a force with the opposite sign."""
     return lambda distances: -component(distances)
 
 

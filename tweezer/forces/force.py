@@ -1,8 +1,8 @@
-"""The contract of every force: a compiled kernel and its data.
+"""Interface of all forces: a compiled kernel and its data.
 
-A kernel has the signature `kernel(pose, data, wrench)` with the types below and adds to `wrench`.
-The signature is the same for every force. So the loops that integrate the motion are compiled
-once, and a force made of others compiles nothing.
+A kernel has the signature `kernel(pose, data, wrench)` with the types below, and adds to `wrench`.
+The signature is the same for every force. The loops that integrate the motion are therefore
+compiled only once, and a combination of forces requires no compilation.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ class Pose(NamedTuple):
     position: Array
     """(n, 3) m from the focus"""
     orientation: Array
-    """(n, 4) Euler parameters of length 1; (0, 4) where no rotation is computed"""
+    """(n, 4) Euler parameters of length 1; (0, 4) if no rotation is computed"""
 
 
 class Wrench(NamedTuple):
-    """Force and moment on n beads, in the inertial frame. A kernel adds to it."""
+    """Force and torque on n beads, in the inertial frame, to which a kernel adds."""
 
     force: Array
     """(n, 3) N"""
@@ -45,15 +45,15 @@ class Wrench(NamedTuple):
     moment_gradient: Array
     """(n, 3, 3) N, [i, j] = dM_i/dx_j; (0, 3, 3) where it is not computed"""
     error: Array
-    """(n,) N, estimate or bound of the error of the force; NaN where none is known"""
+    """(n,) N, estimate or bound of the error of the force; NaN if unknown"""
 
 
 class Force(ABC):
-    """Something that pushes and may turn a bead; a kernel computes it in compiled code."""
+    """A force on a bead, possibly with a torque, which a compiled kernel computes."""
 
     @property
     def oriented(self) -> bool:
-        """Whether the rotation is needed: the force turns the bead or depends on orientation."""
+        """Whether the force exerts a torque or depends on the orientation."""
         return False
 
     @property
@@ -63,11 +63,11 @@ class Force(ABC):
 
     @property
     def parts(self) -> tuple[Force, ...]:
-        """Forces that this force is made of."""
+        """Forces of which this force is a combination; empty for a simple force."""
         return ()
 
     def kinks(self, end: float) -> Array:  # noqa: ARG002
-        """Return the times in (0, end) at which the force jumps or bends in time, s."""
+        """Return the times in (0, end) at which the force or its time derivative jumps, s."""
         return np.zeros(0)
 
     def shortest_time(self, end: float) -> float:
@@ -78,9 +78,9 @@ class Force(ABC):
     def regions(self) -> tuple[Kernel, Data] | None:
         """Return a kernel that numbers the regions of space in each of which the force is smooth.
 
-        It adds the number of the region of a pose to `wrench.error`. Its data are returned too. A
-        force that is smooth everywhere returns None. Integrators find when a bead leaves its
-        region.
+        The kernel adds the index of the region of a pose to `wrench.error`. Its data are returned
+        too. For a force that is smooth everywhere, the result is None. Integrators use the index to
+        detect when a bead leaves its region.
         """
         return None
 
@@ -96,7 +96,7 @@ class Force(ABC):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """Return force and moment at positions of the bead.
+        """Return force and torque at positions of the bead.
 
         Parameters
         ----------
@@ -125,7 +125,7 @@ class Force(ABC):
         field: Wrench,
         time: float | Array = 0.0,  # noqa: ARG002
     ) -> Array:
-        """Return the error of a force that was computed.
+        """Return the error of a force that has been computed.
 
         Parameters
         ----------
@@ -145,7 +145,7 @@ class Force(ABC):
 
 
 def no_wrench(n: int, *, gradient: bool) -> Wrench:
-    """Return a wrench of zeros for n beads, for a kernel to add to; gradient: with gradients."""
+    """Return a wrench of zeros for n beads, to which a kernel adds; see `Force.field`."""
     gradients = n if gradient else 0
     shapes = (n, 3), (n, 3), (gradients, 3, 3), (gradients, 3, 3), (n,)
     wrench = Wrench(*(np.empty(shape) for shape in shapes))
@@ -161,7 +161,7 @@ def evaluated(
     time: float | Array = 0.0,
     orientations: Array | None = None,
 ) -> Wrench:
-    """Return force and moment of a bound force at positions of the bead.
+    """Return force and torque of a bound force at positions of the bead.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def evaluated(
     positions : ndarray, shape (n, 3)
         Positions from the focus, m.
     gradient : bool
-        Whether to compute gradients too. The force must be bound with them.
+        Whether to compute gradients too. The force must have been bound with them.
     time : float or ndarray, shape (n,), optional
         Time, s.
     orientations : ndarray, shape (n, 4), optional
@@ -216,16 +216,13 @@ def _entry() -> Any:
 
 
 def bound(force: Force, *, gradient: bool) -> Part:
-    """Return a force as compiled loops take it: address of its kernel, and data."""
+    """Return a force in the form for compiled loops: the address of its kernel, and its data."""
     kernel, data = force.compiled(gradient=gradient)
     return Part(address(kernel, KERNEL), data)
 
 
 def numbered(force: Force) -> Part | None:
-    """Return what numbers the regions of a force, as compiled loops take it; None without any.
-
-    See `Force.regions`.
-    """
+    """Return the kernel of `Force.regions` in the form for compiled loops; None without regions."""
     found = force.regions()
     return None if found is None else Part(address(found[0], KERNEL), found[1])
 
@@ -257,4 +254,4 @@ KERNEL = types.void(POSE, DATA, WRENCH)
 
 @cached_njit()
 def no_force(pose, data, wrench):  # type: ignore[no-untyped-def]
-    """Add nothing: the kernel of a force that is zero."""
+    """Kernel of a force that is zero, which adds nothing."""

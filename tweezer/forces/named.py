@@ -1,4 +1,4 @@
-"""Forces of the user's own by the name that a Python file gives them: "handles.py:spring"."""
+"""The user's own forces by file and name: "handles.py:spring"."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _ORIGINS: dict[int, str] = {}
 
 
 def named_force(text: str) -> Any:
-    """Return what the text "FILE.py:NAME" names, as the file has it; the file is run once.
+    """Return the force that "FILE.py:NAME" names; the file is run once.
 
     Raises `SceneError` if there is no such file or name, or if the file raises an exception.
     """
@@ -74,6 +74,6 @@ def _run(path: Path, digest: str, text: str) -> Any:
 
 
 def origins_of(forces: Iterable[Force]) -> str:
-    """Return the files of forces and the digests of these; "" if one is from none."""
+    """Return the files of forces and their digests; "" if a force does not come from a file."""
     found = [_ORIGINS.get(id(each), "") for each in forces]
     return "; ".join(found) if all(found) else ""

@@ -1,4 +1,4 @@
-"""Forces of the user's own: functions that are tried, and guarded once compiled."""
+"""The user's own forces: functions that are tried first, and checked when compiled."""
 
 from __future__ import annotations
 
@@ -53,13 +53,13 @@ class UserForce(Force):
     """A force of your own: a function (`kernel`) and its numbers and arrays.
 
     The function has the signature `(pose, data, wrench)`, reads its entries with `number`,
-    `vector`, `matrix` and `tensor`, and adds to `wrench`. Entries may be given as quantities of
-    pint, or text such as "20 pN/um": the function reads them in SI units.
+    `vector`, `matrix` and `tensor`, and adds to `wrench`. Entries that are quantities of pint, or
+    text such as "20 pN/um", are converted to SI units.
 
-    The function is run once as plain Python when the force is made, and again as compiled code in
-    the scene that it acts in. Compiled, all of its indices are checked. Where it raises an
-    exception, or its force is not finite or its error is negative, the force is NaN: a run then
-    ends as "failed", with the line.
+    The function is run once as plain Python when the force is created, and as compiled code before
+    a run. All of its indices are checked. If it raises an exception, or returns a force that is not
+    finite or a negative error, the run ends with the status "failed" and the message names the
+    line.
 
     Raises
     ------
@@ -68,7 +68,7 @@ class UserForce(Force):
         pose, to an entry or beyond the wrench, sets the wrench instead of adding to it, or refers
         to a name that is not defined.
     ValueError
-        If an argument is not what it must be.
+        If an argument is invalid.
     """
 
     function: Kernel
@@ -76,17 +76,17 @@ class UserForce(Force):
     entries: tuple[QuantitiesLike, ...] = ()
     """numbers and arrays of up to three axes that the function reads"""
     gradient: bool = False
-    """whether the function adds gradients where `wrench.force_gradient` is not empty; if not, they
-    are central differences"""
+    """whether the function adds gradients if `wrench.force_gradient` is not empty; otherwise
+    gradients are central differences"""
     turns: bool = False
-    """whether it turns the bead or reads `pose.orientation`; the rotation is then computed"""
+    """whether the function exerts a torque or reads `pose.orientation`, so rotation is computed"""
     by_time: bool = False
-    """whether it reads `pose.time`"""
+    """whether the function reads `pose.time`"""
     step: float = 1e-10
-    """of the central differences, m, or a quantity"""
+    """step of the central differences, m or with a unit"""
 
     _doubt: str = field(default="", init=False, repr=False)
-    """what the function raised as plain Python, though it may be right at other poses"""
+    """exception of the function as plain Python, which may not occur at other poses"""
 
     @property
     def oriented(self) -> bool:
@@ -160,7 +160,7 @@ class UserForce(Force):
 
 
 def own_forces(force: Force) -> Iterator[UserForce]:
-    """Yield the forces of the user's own among a force and all its parts."""
+    """Yield the user's own forces among a force and all its parts."""
     if isinstance(force, UserForce):
         yield force
     for each in force.parts:
@@ -168,7 +168,7 @@ def own_forces(force: Force) -> Iterator[UserForce]:
 
 
 def forget_faults(force: Force) -> None:
-    """Reset the record of errors of all forces of the user's own in a force."""
+    """Reset the recorded errors of all of the user's own forces in a force."""
     for each in own_forces(force):
         each._met[:] = 0.0
 
@@ -309,11 +309,11 @@ def _mark(data, pose, begin, found, raised):  # type: ignore[no-untyped-def]
 
 
 def kernel(function: Kernel) -> Kernel:
-    """Compile a function as the kernel of a `UserForce`, as a decorator.
+    """Decorate a function, which is then compiled as the kernel of a `UserForce`.
 
-    It is compiled when the force is first used. The machine code is not cached, because a function
-    of a terminal or a notebook has no file in which a change would be detected. A division by zero
-    raises an exception, as in plain Python.
+    The function is compiled when the force is first used. The machine code is not cached, because a
+    function from a terminal or a notebook has no file in which a change could be detected. A
+    division by zero raises an exception, as in plain Python.
 
     Parameters
     ----------

@@ -1,9 +1,9 @@
-"""Rings around the axis of a beam on which it holds a bead, and equilibria off the axis.
+"""Rings around the beam axis on which the light holds a bead, and equilibria off the axis.
 
-In light with rotational symmetry, the forces across and along the axis depend only on z and on the
-distance rho from the axis. Where both vanish, they vanish on a ring. The azimuthal force may differ
-from zero there. Light with angular momentum drives the bead round, at the speed v at which drag
-balances the azimuthal force. On the ring the force towards the axis is the centripetal force,
+In light with rotational symmetry, the radial and axial forces depend only on z and on the distance
+rho from the axis. If both vanish at a point, they vanish on a ring. The azimuthal force on the ring
+may differ from zero: light with angular momentum drives the bead around the axis, at the speed v at
+which drag balances this force. The force towards the axis then provides the centripetal force,
 
     F_rho = -m v^2/rho,    F_z = 0,    v = F_phi/beta_v.
 """
@@ -38,7 +38,7 @@ _MASSLESS = 1e4
 
 
 class Box(NamedTuple):
-    """Region of intense light about the axis, in which rings and equilibria are sought; in m."""
+    """Region of intense light around the axis, in which rings and equilibria are searched, m."""
 
     width: float
     """distance from the axis"""
@@ -47,7 +47,7 @@ class Box(NamedTuple):
     reach: float
     """distance from the focus along the axis"""
     spread: float = 0.0
-    """growth of the width with the distance from the focus: tan of an angle"""
+    """increase of the width with the distance from the focus (tangent of an angle)"""
     known: float = math.inf
     """distance from the focus up to which the force is known"""
 
@@ -70,11 +70,12 @@ class Motion(NamedTuple):
     """Mass and mobility of a bead that moves on a ring."""
 
     mass: float
-    """that moves with it, kg; 0 in a model without inertia"""
+    """mass that moves with the bead, kg; 0 in a model without inertia"""
     mobility: Callable[[Array], Array]
-    """at places (n, 3) m, across and along the axis, (n, 2) s/kg"""
+    """function that returns the mobilities perpendicular and parallel to the axis, (n, 2) s/kg, at
+    positions (n, 3) m"""
     beside: float
-    """distance from a ring at which the force must pull back, m"""
+    """distance from a ring at which the force must be restoring, m"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,18 +85,18 @@ class Ring(Comparable):
     radius: float
     """m"""
     height: float
-    """z, m from the focus"""
+    """z of the ring, relative to the focus, m"""
     stiffness: Vector
-    """the matrix -dF_i/dx_j over rho and z, (2, 2) N/m; in general not symmetric"""
+    """matrix -dF_i/dx_j for rho and z, (2, 2) N/m; in general not symmetric"""
     azimuthal_force: float
-    """of the light on the bead along the ring, N: positive counter-clockwise, seen against the
+    """force of the light along the ring, N; positive if counter-clockwise, seen against the
     light"""
     speed: float
-    """at which it drives the bead round, m/s: that force over Stokes's drag"""
+    """speed of the bead on the ring, m/s: the azimuthal force divided by the drag coefficient"""
     residual: float
-    """size of the force left across the ring, N"""
+    """magnitude of the remaining force perpendicular to the ring, N"""
     escapes: tuple[Any, ...] = ()
-    """pulling the bead off the ring along straight lines: outwards, inwards, +z, -z"""
+    """escapes from the ring along straight lines: outwards, inwards, +z, -z"""
 
     @property
     def position(self) -> Array:
@@ -109,14 +110,14 @@ class Ring(Comparable):
 
     @property
     def rate(self) -> float:
-        """Rate at which the bead circles the axis, Hz."""
+        """Frequency at which the bead circles the axis, Hz."""
         return self.speed / (2 * math.pi * self.radius)
 
 
 def rings(
     radius: float, box: Box, force: Force, net_force: NetForce, motion: Motion
 ) -> Iterator[Ring]:
-    """Yield the rings in a box on which a bead stays, nearest the focus first.
+    """Yield the stable rings in a box, nearest the focus first.
 
     Newton's method (`scipy.optimize.root`) determines their radius and height. It starts in each
     cell of samples in which both forces change their sign.
@@ -147,8 +148,8 @@ def rings(
 def off_axis(radius: float, box: Box, force: Force, net_force: NetForce) -> Iterator[Array]:
     """Yield positions (3,) off the axis, m, where the net force vanishes.
 
-    The light has no rotational symmetry. The search starts in half planes at 0, 45, 90 and 135
-    degrees. Each position has a partner, because the light is the same after half a turn.
+    This applies to light without rotational symmetry. The search starts in half planes at 0, 45, 90
+    and 135 degrees. Positions occur in pairs, because the light is symmetric under half a turn.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
-"""A function of the user's own as plain Python: tried before it is compiled, and explained after.
+"""A user's function as plain Python, to try it before compilation and to explain later errors.
 
-A copy of the function is run, in which helpers compiled by Numba are plain Python too, and what it
-must not write is read-only. NumPy then checks every index. Floating-point faults give what
-compiled code gives, infinity or NaN.
+A copy of the function is run, in which compiled helpers are replaced by plain Python functions and
+arrays that it must not change are read-only. NumPy then checks every index. Floating-point errors
+give the same values as in compiled code, infinity or NaN.
 """
 
 from __future__ import annotations
@@ -66,8 +66,8 @@ class _EndlessError(BaseException):
 def checked(function: Any) -> Any:
     """Return a user's compiled function as a copy that checks indices and the kinds of entries.
 
-    Functions of the user's that it calls are replaced by such copies too. Raises `ForceError` for
-    a use of memory that cannot be checked.
+    The user's functions that it calls are replaced by such copies too. Raises `ForceError` for a
+    use of memory that cannot be checked.
     """
 
     def replace(each: Any, copy: Callable[[Any], Any]) -> Any:
@@ -94,7 +94,7 @@ def checked(function: Any) -> Any:
 
 @functools.cache
 def plain(function: Any) -> Any:
-    """Return a user's compiled function, and all that it calls, as functions of plain Python."""
+    """Return a user's compiled function, and all functions that it calls, as plain Python."""
 
     def replace(each: Any, copy: Callable[[Any], Any]) -> Any:
         """Return a compiled function as plain Python: a reader that checks, or a copy."""
@@ -233,7 +233,7 @@ def _mathematics() -> dict[Any, Any]:
 
 
 def first_look(function: Any, data: Data, *, gradient: bool, turns: bool) -> str:
-    """Run a user's function for one bead and for three, and refuse one that fails at every pose.
+    """Run a user's function for one bead and for three; refuse it if it fails at every pose.
 
     Parameters
     ----------
@@ -249,7 +249,7 @@ def first_look(function: Any, data: Data, *, gradient: bool, turns: bool) -> str
     Returns
     -------
     str
-        Description of another exception, which may depend on the pose, or "".
+        Description of an exception that may depend on the pose, or "".
 
     Raises
     ------

@@ -1,6 +1,6 @@
-"""Forces between a bead and a wall across it: of double layers and van der Waals, and of contact.
+"""Forces between a bead and a wall: double-layer and van der Waals forces, and contact.
 
-Both are functions of the gap between the surfaces alone, and act along the wall's normal.
+They depend only on the gap between the surfaces, and act along the normal of the wall.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ class Dlvo(Force):
     """
 
     radius: float
-    """r of the sphere, m"""
+    """radius r of the sphere, m"""
     position: float
     """z of the wall, m"""
     normal: float
     """1 or -1: sign of z of the normal into the medium, see `tweezer.scene.sections.Wall`"""
     strength: float
-    """B of the repulsion of the double layers, J"""
+    """strength B of the double-layer repulsion, J"""
     debye_length: float
     """l_D, m"""
     hamaker_constant: float
@@ -78,16 +78,17 @@ def _add_dlvo(pose, data, wrench):  # type: ignore[no-untyped-def]
 
 @dataclass(frozen=True)
 class Contact(Force):
-    """Force that keeps a bead on a wall from sinking into it: F_0 exp(-gap/`BORN`).
+    """Contact force, which keeps a bead from sinking into a wall: F_0 exp(-gap/`BORN`).
 
-    The form is Born and Mayer's. A bead pushed by F rests at the gap l ln(F_0/F), which is 7 l or
-    more, l = `BORN`. Near the wall the mobility is proportional to the gap. The bead therefore
-    comes to rest at the rate b F/r times a logarithm, with the mobility b far away. This is no
-    faster than such a force moves a bead elsewhere, so the equations are not stiff.
+    The form is Born and Mayer's. Under a force F the bead rests at the gap l ln(F_0/F), with l =
+    `BORN`, which is 7 l or more. Near the wall the mobility is proportional to the gap. The bead
+    therefore comes to rest at the rate b F/r times a logarithm, where b is the mobility far away.
+    This is no faster than the motion under the same force far from the wall, so the equations are
+    not stiff.
     """
 
     radius: float
-    """r of the bead, m"""
+    """radius r of the bead, m"""
     position: float
     """z of the wall, m"""
     normal: float
