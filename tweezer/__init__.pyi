@@ -12,6 +12,7 @@ from .optics import (
     optical_jacobian,
     optical_torque,
 )
+from .optics.bodies import TMatrix, t_matrix
 from .optics.of_scene import light
 from .plots.report import write_report
 from .reading import Recording, Track, load_recording, load_track
@@ -19,7 +20,6 @@ from .results.io import load_run, save_run, scene_of
 from .results.saving import load, save
 from .runs import Summary, Tuned, Tuning, summarise, tune
 from .runs.simulation import simulate
-from .optics.bodies import TMatrix, t_matrix
 from .scene import Scene, load_scene, shipped_scenes
 from .scene.bead import BeadProperties, bead_properties
 from .sweeps.sweep import sweep
