@@ -169,8 +169,11 @@ BAD_SCENES = {
     "short vector": ({"start.position": "[0]"}, "start.position = [0]: must have 3 entries"),
     "long vector": ({"start.velocity": "[0, 0, 0, 0]"},
                     "start.velocity = [0, 0, 0, 0]: must have 3 entries"),
-    "three Euler parameters": ({"start.orientation": "[1, 0, 0]"},
-                               "start.orientation = [1, 0, 0]: must have 4 entries"),
+    "two Euler parameters": ({"start.orientation": "[1, 0]"},
+                             "start.orientation = [1, 0]: must have 4 entries"),
+    "an axis of no length": ({"start.orientation": "[0, 0, 0]"},
+                             "start.orientation = [0, 0, 0]: an axis must have a finite length "
+                             "above 0"),
     "list in a vector": ({"start.position": "[0, [1e-6], 0]"},
                          f"start.position.1 = [1e-06]: {LENGTH}"),
     "section that is a number": ({"forces": "3"}, "forces = 3: must be a section [forces]"),

@@ -365,7 +365,8 @@ def _in_laboratory(frame, azimuth, derivative, found, out):  # type: ignore[no-u
     for j in range(3):
         a, b = frame[0, j], frame[1, j]
         frame[0, j], frame[1, j] = cosine * a - sine * b, sine * a + cosine * b
-    out[:] = found
+    for i in range(FOUND):
+        out[i] = found[i]
     for of in range(0, _SIX, 3):
         for i in range(3):
             out[of + i] = 0.0

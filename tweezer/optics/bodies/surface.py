@@ -195,7 +195,9 @@ def radial_functions(nodes, index_re, index_im, highest):  # type: ignore[no-unt
     for q in range(count):
         x = _real(nodes, q, _X)
         _regular((x, (0.0, 0.0)), highest, 0, room[0], room[1])
-        outside[0, q], outside[1, q] = room[0, 0, :, :2], room[1, 0, :, :2]
+        for n in range(highest + 1):
+            _put_real(outside[0], q, n, _complex(room[0], 0, n)[0])
+            _put_real(outside[1], q, n, _complex(room[1], 0, n)[0])
         _irregular(x, highest, q, outside[2], outside[3])
         z = scaled(x, index_re), scaled(x, index_im)
         _regular(z, highest, q, inside[0], inside[1])
@@ -415,11 +417,15 @@ def t_of_order(nodes, outside, inside, index_re, index_im, m):  # type: ignore[n
                 outgoing = minus(own[0], other[1]), add(own[1], other[0])
                 _put_complex(total, i, j, outgoing)
             scales[j] = _power_of_two(total[:, j])
-            total[:, j] *= scales[j]
+            for i in range(size):
+                for part in range(COMPLEX):
+                    total[i, j, part] *= scales[j]
         for i in range(size):
             scale = _power_of_two(total[i])
-            total[i] *= scale
-            right[i] *= scale
+            for j in range(size):
+                for part in range(COMPLEX):
+                    total[i, j, part] *= scale
+                    right[i, j, part] *= scale
         _eliminate(total, right)
         for j in range(size):  # the incident wave
             of = 1 if (lowest + j) % 2 == parity else 0
