@@ -391,7 +391,7 @@ def test_what_a_series_of_heights_does_not_tell_is_said(series):
     for wrong, places, why in (
         (calibrations, FOCUS[:3], "positions: must be 4 finite numbers, one for each recording"),
         (calibrations[:2], [0.0, math.nan], "positions: must be 2 finite numbers"),
-        ([volts], [0.0], "no recording determines the drag; they are in volts, or have findings"),
+        ([volts], [0.0], "no recording determines the drag: each is in volts without a drive"),
         ([heavy], [0.0], "without fluid inertia; omit the density of the fluid"),
     ):
         with pytest.raises(tweezer.ResultError, match=why):
