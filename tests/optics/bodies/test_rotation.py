@@ -45,7 +45,7 @@ def test_wigner_d_at_a_right_angle_is_delta():
 
 
 def test_delta_has_its_symmetries_and_is_orthogonal():
-    n = 40
+    n = 25
     delta = wigner_delta(n)[n]
     m = np.arange(-n, n + 1)
     sign = (-1.0) ** (m[:, None] - m)
