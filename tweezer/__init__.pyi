@@ -12,7 +12,8 @@ from .optics import (
     optical_jacobian,
     optical_torque,
 )
-from .optics.bodies import TMatrix, t_matrix
+from .optics.bodies.shapes import t_matrix
+from .optics.bodies.t_matrix import TMatrix
 from .optics.of_scene import light
 from .plots.report import write_report
 from .reading import Recording, Track, load_recording, load_track

@@ -18,6 +18,10 @@ class Body(ABC):
     moments_of_inertia: tuple[float, float, float]
     """principal moments I11, I22, I33 about the centre of mass (A.13), kg m^2"""
 
+    def starting(self, orientation: tuple[float, ...]) -> Body:  # noqa: ARG002
+        """Return this body with Euler parameters at the start, which `support` takes by default."""
+        return self
+
     @abstractmethod
     def support(self, normal: float = 1.0, orientation: Any = None) -> Any:
         """Return the distance of the centre from a plane across the light that the body touches, m.

@@ -68,7 +68,7 @@ class Description(Section):
     @property
     def body(self) -> Body:
         """The bead as a rigid body."""
-        return self.bead.turned_body(self.start.orientation)
+        return self.bead.body.starting(self.start.orientation)
 
     @property
     def plain(self) -> bool:

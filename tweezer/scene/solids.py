@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -18,7 +19,19 @@ def _axis(orientation: Any, normal: float, i: int) -> Any:
     return normal * rows[i] / (w * w + x * x + y * y + z * z)
 
 
-class Spheroid(Body):
+class _Turned(Body):
+    """A body whose extent depends on its orientation."""
+
+    _start: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0)
+
+    def starting(self, orientation: tuple[float, ...]) -> Body:
+        """Return this body with Euler parameters at the start; see `Body.starting`."""
+        found = copy.copy(self)
+        found._start = orientation
+        return found
+
+
+class Spheroid(_Turned):
     """A homogeneous ellipsoid of revolution about the body's z axis.
 
     Parameters
@@ -27,17 +40,15 @@ class Spheroid(Body):
         Semi-axes across and along the axis, m.
     density : float
         Density, kg/m^3.
-    orientation : tuple of float
-        Euler parameters at the start.
     """
 
-    def __init__(self, across: float, along: float, density: float, orientation: tuple[float, ...]):
+    def __init__(self, across: float, along: float, density: float):
         self.size = max(across, along)
         self.volume = 4 / 3 * math.pi * across**2 * along
         self.mass = density * self.volume
         side = self.mass * (across**2 + along**2) / 5
         self.moments_of_inertia = (side, side, 2 / 5 * self.mass * across**2)
-        self._across, self._along, self._start = across, along, orientation
+        self._across, self._along = across, along
 
     def support(self, normal: float = 1.0, orientation: Any = None) -> Any:
         """Return the distance of the centre from a plane that the body touches; see `Body`."""
@@ -46,7 +57,7 @@ class Spheroid(Body):
         return np.sqrt(self._along**2 * tilt + self._across**2 * (1 - tilt))
 
 
-class Cluster(Body):
+class Cluster(_Turned):
     """A rigid cluster of spheres of one density, about its centre of mass.
 
     Parameters
@@ -57,8 +68,6 @@ class Cluster(Body):
         Radii, m.
     density : float
         Density, kg/m^3.
-    orientation : tuple of float
-        Euler parameters at the start.
     """
 
     def __init__(
@@ -66,7 +75,6 @@ class Cluster(Body):
         centres: Sequence[tuple[float, float, float]],
         radii: Sequence[float],
         density: float,
-        orientation: tuple[float, ...],
     ):
         at, r = np.array(centres, float), np.array(radii, float)
         volumes = 4 / 3 * math.pi * r**3
@@ -79,7 +87,7 @@ class Cluster(Body):
         tensor -= np.einsum("k,ki,kj->ij", masses, at, at)
         a, b, c = np.linalg.eigvalsh(tensor)
         self.moments_of_inertia = (float(a), float(b), float(c))
-        self._at, self._radii, self._start = at, r, orientation
+        self._at, self._radii = at, r
 
     def support(self, normal: float = 1.0, orientation: Any = None) -> Any:
         """Return the distance of the centre from a plane that the body touches; see `Body`."""

@@ -181,15 +181,11 @@ class Bead(Round):
 
         A body in a T-matrix file has the size and mass of the sphere that encloses it.
         """
-        return self.turned_body((1.0, 0.0, 0.0, 0.0))
-
-    def turned_body(self, orientation: tuple[float, ...]) -> Body:
-        """Return the bead as a rigid body with Euler parameters at the start."""
         if self.length is not None:
-            return Spheroid(self.radius, self.length / 2, self.density, orientation)
+            return Spheroid(self.radius, self.length / 2, self.density)
         if self.spheres is not None:
             radii = [each.radius for each in self.spheres]
-            return Cluster(self.centres, radii, self.density, orientation)
+            return Cluster(self.centres, radii, self.density)
         return Sphere(self.radius, self.density, self.moments_of_inertia)
 
     @property

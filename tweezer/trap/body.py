@@ -1,0 +1,384 @@
+"""The trap of a body that is not a sphere: equilibria in position and orientation."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from tweezer.dynamics.escape import Escape, escapes
+from tweezer.optics import Beams, LightForce, light_force
+from tweezer.optics.bodies.by_sums import derivative_of
+from tweezer.optics.bodies.shapes import t_matrix
+from tweezer.optics.bodies.t_matrix import TMatrix
+from tweezer.optics.light import SPEED_OF_LIGHT
+from tweezer.scene import Scene
+from tweezer.values.arrays import Array
+from tweezer.values.errors import SceneError
+from tweezer.values.printed import printed
+from tweezer.values.rounding import micrometres
+from tweezer.values.shown import Card, Row, Shown, Table
+from tweezer.values.vectors import Comparable, Vector, fixed
+
+#: Axes of the body at the starts of the search, and distance of the starts from the focus, radii
+_AXES = (
+    (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.6, 0.0, 0.8), (0.0, 0.6, 0.8),
+    (0.5, -0.7, 0.5), (-0.8, 0.5, 0.3),
+)  # fmt: skip
+#: Starts along the axis of the light, in radii that enclose the body
+_HEIGHTS = (0.3, 1.0)
+#: Most steps of a search, and those of Newton's method at its end
+_STEPS, _NEWTON = 400, 12
+#: Largest step: part of the wavelength in the medium, and rad
+_FARTHEST, _TURN = 0.1, 0.3
+#: Force that vanishes, as a part of the light's momentum flux on the body
+_VANISHED = 1e-9
+#: Stiffness that counts as zero, as a part of the largest
+_FREE = 1e-7
+#: Distance of two equilibria that are the same, in radii, and angle, rad
+_SAME, _SAME_ANGLE = 1e-4, 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class BodyEquilibrium(Comparable):
+    """A position and orientation at which force and torque on a body vanish."""
+
+    position: Vector
+    """(3,) m, of the body's centre from the focus"""
+    orientation: Vector
+    """(4,) Euler parameters, scalar first, from the body to the laboratory"""
+    stiffness: Vector
+    """-d(F, M)/d(position, angle), (6, 6) in N/m, N, N and N m, with angles about the laboratory's
+    axes. It is not symmetric, because the force of light has no potential"""
+    eigenvalues: Vector
+    """(6, 2) N/m, real and imaginary part of the eigenvalues of `stiffness` with angles times
+    `length`, in ascending order of the real part. A body of revolution has one that is 0"""
+    stable: bool
+    """whether all eigenvalues have positive real parts, except the one that is 0"""
+    residual: float
+    """remaining force, with torques over `length`, N"""
+    length: float
+    """length by which angles are multiplied, m: the radius that encloses the body"""
+
+    @property
+    def axis(self) -> Array:
+        """Direction of the body's z axis, (3,); the one with z >= 0."""
+        axis = _rotation(np.asarray(self.orientation))[:, 2]
+        first = next((each for each in axis[::-1] if abs(each) > 1e-9), 1.0)
+        return axis if first > 0 else -axis
+
+    @property
+    def coupling(self) -> float:
+        """Largest element that couples translation and rotation, over the largest other, no unit.
+
+        Angles are multiplied by `length`.
+        """
+        scaled = _scaled(np.asarray(self.stiffness), self.length)
+        across = max(np.abs(scaled[:3, 3:]).max(), np.abs(scaled[3:, :3]).max())
+        return float(across / max(np.abs(scaled[:3, :3]).max(), np.abs(scaled[3:, 3:]).max()))
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class BodyTrap(Comparable, Shown):
+    """A characterised trap of a body that is not a sphere, in SI units."""
+
+    scene: Scene = field(compare=False)
+    """the scene that was characterised"""
+    equilibria: tuple[BodyEquilibrium, ...]
+    """equilibria found from several starts, the stable ones first, then by z"""
+    equilibrium: BodyEquilibrium | None
+    """stable equilibrium nearest the focus; None if none was found"""
+    escapes: tuple[Escape, ...]
+    """escapes from `equilibrium` along the axes, at its orientation"""
+    torque_efficiency: float | None
+    """largest torque times the angular frequency of the light over the power, when the body is
+    turned at the equilibrium about x and about y"""
+    absorbed_power: float | None
+    """power that the body absorbs at the equilibrium, W; None if it absorbs none"""
+    force_error: float
+    """largest error of the force at the equilibria, N"""
+    t_matrix: TMatrix = field(compare=False)
+    """the T-matrix of the body"""
+    searched: str
+    """starts of the search"""
+
+    def card(self) -> Card:
+        """Return the card with equilibrium, stiffness and efficiency, and a table of equilibria."""
+        return Card(
+            "BodyTrap", self.scene.name, tuple(self._rows()),
+            (self._places(),) if len(self.equilibria) > 1 else (),
+        )  # fmt: skip
+
+    def _rows(self) -> Iterator[Row]:
+        """Yield the rows of the card."""
+        held = self.equilibrium
+        if held is None:
+            yield Row("equilibrium", f"no stable one found {self.searched}")
+        else:
+            yield Row("stable equilibrium", ", ".join(map(micrometres, held.position)) + " um")
+            yield Row("axis of the body", _direction(held.axis))
+            k = np.asarray(held.stiffness)
+            yield Row("stiffness (x, y, z)", printed(tuple(np.diag(k)[:3]), "pN/um"))
+            yield Row("against rotation (x, y, z)", printed(tuple(np.diag(k)[3:]), "pN um"))
+            yield Row("coupling of both", f"{held.coupling:.3g} of the largest stiffness")
+            values = [complex(*each) for each in held.eigenvalues]
+            words = ", ".join(_complex_text(1e6 * value) for value in values)
+            yield Row("eigenvalues", f"{words} pN/um", detail=True)
+            turned = ", ".join(f"{each:.4g}" for each in held.orientation)
+            yield Row("Euler parameters", turned, detail=True)
+            for each in self.escapes:
+                yield Row(f"escape force {each.direction}", printed(abs(each.force), "pN"))
+        if self.torque_efficiency is not None:
+            yield Row("largest torque", f"{self.torque_efficiency:.3g} P/omega")
+        if self.absorbed_power is not None:
+            yield Row("absorbed power", printed(self.absorbed_power, "mW"))
+        yield Row("error of the force", printed(self.force_error, "pN", 1), detail=True)
+        yield Row("T-matrix", f"degree {self.t_matrix.degree}, error {self.t_matrix.error:.1g}, "
+                  f"unitarity {self.t_matrix.unitarity:.1g}, reciprocity "
+                  f"{self.t_matrix.reciprocity:.1g}", detail=True)  # fmt: skip
+        yield Row("searched", self.searched, detail=True)
+
+    def _places(self) -> Table:
+        """Return the table of all equilibria."""
+        return Table(
+            ("equilibrium", "position, um", "axis of the body"),
+            tuple(
+                ("stable" if each.stable else "unstable",
+                 ", ".join(map(micrometres, each.position)), _direction(each.axis))
+                for each in self.equilibria
+            ),
+        )  # fmt: skip
+
+
+def _complex_text(value: complex) -> str:
+    """Return a number as text, with its imaginary part if it has one."""
+    if abs(value.imag) <= 1e-6 * abs(value):
+        return f"{value.real:.4g}"
+    return f"{value.real:.4g}{value.imag:+.4g}i"
+
+
+def _direction(axis: Array) -> str:
+    """Return a direction in words, such as "along z", or its components."""
+    for name, component in zip("xyz", axis, strict=True):
+        if abs(component) > 1 - 1e-9:
+            return f"along {name}"
+    return ", ".join(f"{0.0 + round(each, 4):.4g}" for each in axis)
+
+
+def body_trap(scene: Scene) -> BodyTrap:
+    """Characterise the trap of a body that is not a sphere.
+
+    Equilibria are searched from several starts, with the axis of the body along and across the
+    light and tilted. Each search follows force and torque with damped steps, which end in Newton's
+    method with the exact derivative. Weight and buoyancy act at the centre of volume.
+
+    A body is stable if all eigenvalues of the stiffness have positive real parts, with angles
+    multiplied by the radius that encloses the body. Its drag, which can matter for a stiffness that
+    is not symmetric, is not included.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene whose bead is not a sphere.
+
+    Returns
+    -------
+    BodyTrap
+        The trap.
+
+    Raises
+    ------
+    SceneError
+        For a scene without light, or for a wall.
+    """
+    if not scene.lit:
+        raise SceneError("beam: a body requires light to be trapped")
+    if scene.wall is not None:
+        raise SceneError(
+            f"wall: bead.shape = {scene.bead.shape!r} is characterised without walls; remove it"
+        )
+    search = _Search(scene)
+    found: list[BodyEquilibrium] = []
+    for height in _HEIGHTS:
+        for axis in _AXES:
+            start = np.array([0.0, 0.0, height * search.length])
+            if axis[2] not in (0.0, 1.0):  # off the axis too, to leave what is symmetric
+                start[:2] = 0.1 * search.length * np.array([0.7, 0.4])
+            place = search.relaxed(start, _turning(np.array(axis)))
+            if place is not None and not any(search.same(place, each) for each in found):
+                found.append(place)
+    found.sort(key=lambda each: (not each.stable, float(each.position[2])))
+    stable = [each for each in found if each.stable]
+    held = min(stable, key=lambda each: float(np.linalg.norm(each.position)), default=None)
+    pulled: tuple[Escape, ...] = ()
+    efficiency = absorbed = None
+    error = 0.0
+    if held is not None:
+        position, orientation = np.asarray(held.position), np.asarray(held.orientation)
+        pulled = escapes(
+            scene, search.light.search, functools.partial(search.force_at, orientation), position,
+            symmetric=False,
+        )  # fmt: skip
+        efficiency = search.torque_efficiency(position, orientation)
+        absorbed = search.absorbed(position, orientation)
+        field_there = search.light.field(position[None], orientations=orientation[None])
+        error = float(field_there.error[0])
+    return BodyTrap(
+        scene=scene, equilibria=tuple(found), equilibrium=held, escapes=pulled,
+        torque_efficiency=efficiency, absorbed_power=absorbed, force_error=error,
+        t_matrix=t_matrix(scene), searched=f"from {len(_AXES) * len(_HEIGHTS)} starts",
+    )  # fmt: skip
+
+
+class _Search:
+    """Search for positions and orientations at which force and torque vanish."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.light: LightForce | Beams = light_force(scene)
+        self.body = t_matrix(scene)
+        self.length = self.body.radius
+        self._scene = scene
+        bead, forces, medium = scene.body, scene.forces, scene.medium
+        g = forces.gravitational_acceleration
+        lift = medium.density * bead.volume * g * forces.buoyancy
+        self._weight = np.array([0.0, 0.0, lift - bead.mass * g * forces.gravity])
+        self._wavelength = min(beam.wavelength for beam in scene.beams) / medium.refractive_index
+
+    def force_at(self, orientation: Array, points: Array) -> Array:
+        """Return light and weight at points (n, 3), m, with one orientation, (n, 3) N."""
+        turned = np.broadcast_to(orientation, (len(points), 4))
+        return self.light.field(points, orientations=np.ascontiguousarray(turned)).force + (
+            self._weight
+        )
+
+    def wrench(self, position: Array, orientation: Array) -> Array:
+        """Return force, N, and torque over the length, N, on the body, (6,)."""
+        found = self.light.field(position[None], orientations=orientation[None])
+        return np.concatenate([found.force[0] + self._weight, found.moment[0] / self.length])
+
+    def stiffness(self, position: Array, orientation: Array) -> Array:
+        """Return the stiffness matrix (6, 6), in N/m, N, N and N m."""
+        return -derivative_of(self.light, position[None], orientation[None], 0.0)[0]
+
+    def relaxed(self, position: Array, orientation: Array) -> BodyEquilibrium | None:
+        """Return the equilibrium that a search from a start finds; None if it finds none.
+
+        The steps solve (K + damping) step = force, with a damping that follows the force. They are
+        damped motion at first and Newton's method at the end.
+        """
+        r, e = position, orientation
+        force = self.wrench(r, e)
+        farthest = _FARTHEST * self._wavelength
+        reach = self.light.search.reach
+        damping = None
+        scale = 0.0
+        for _ in range(_STEPS):
+            k = _scaled(self.stiffness(r, e), self.length)
+            size = float(np.linalg.norm(force))
+            scale = max(scale, size)
+            if damping is None:
+                damping = float(np.abs(k).max())
+            step = np.linalg.solve(k + damping * np.eye(6), force)
+            step *= min(1.0, farthest / max(np.linalg.norm(step[:3]), 1e-300),
+                        _TURN * self.length / max(np.linalg.norm(step[3:]), 1e-300))  # fmt: skip
+            r, e = r + step[:3], _turned(e, step[3:] / self.length)
+            if np.linalg.norm(r) > reach:
+                return None
+            before, force = size, self.wrench(r, e)
+            size = float(np.linalg.norm(force))
+            damping *= min(1.5, max(0.3, size / before)) if before else 1.0
+            if size <= _VANISHED * scale or damping < 1e-9 * np.abs(k).max():
+                break
+        for _ in range(_NEWTON):
+            k = _scaled(self.stiffness(r, e), self.length)
+            step = np.linalg.pinv(k, rcond=_FREE) @ force
+            if np.linalg.norm(step) > farthest:
+                return None
+            r, e = r + step[:3], _turned(e, step[3:] / self.length)
+            force = self.wrench(r, e)
+            if np.linalg.norm(step) < 1e-15 * self.length:
+                break
+        if np.linalg.norm(force) > _VANISHED * scale:
+            return None
+        stiffness = self.stiffness(r, e)
+        values = np.linalg.eigvals(_scaled(stiffness, self.length))
+        values = values[np.argsort(values.real)]
+        least = _FREE * np.abs(values).max()
+        free = np.abs(values) <= least
+        stable = bool(
+            (values.real[~free] > 0).all() and free.sum() <= (1 if self.body.axial else 0)
+        )
+        r = np.where(np.abs(r) < 1e-13 * self.length, 0.0, r)
+        return BodyEquilibrium(
+            fixed(r), fixed(e), fixed(stiffness), fixed(np.stack([values.real, values.imag], 1)),
+            stable, float(np.linalg.norm(force)), self.length,
+        )  # fmt: skip
+
+    def same(self, one: BodyEquilibrium, other: BodyEquilibrium) -> bool:
+        """Return whether two equilibria are the same, for a body of revolution about its axis."""
+        apart = np.linalg.norm(np.asarray(one.position) - np.asarray(other.position))
+        if apart > _SAME * self.length:
+            return False
+        if self.body.axial:
+            return bool(np.linalg.norm(np.cross(one.axis, other.axis)) < _SAME_ANGLE)
+        return abs(float(np.dot(one.orientation, other.orientation))) > 1 - _SAME_ANGLE**2 / 8
+
+    def torque_efficiency(self, position: Array, orientation: Array) -> float:
+        """Return the largest torque times omega over the power, turned about x and about y."""
+        angles = np.linspace(0.0, math.pi, 37)[:-1]
+        turned = np.stack([
+            _turned(orientation, angle * about) for about in np.eye(3)[:2] for angle in angles
+        ])  # fmt: skip
+        places = np.broadcast_to(position, (len(turned), 3))
+        found = self.light.field(np.ascontiguousarray(places), orientations=turned)
+        power = sum(beam.power_through_pupil or beam.power or 0.0 for beam in self._scene.beams)
+        omega = 2 * math.pi * SPEED_OF_LIGHT / self._scene.beam.wavelength
+        return float(np.linalg.norm(found.moment, axis=1).max() * omega / power)
+
+    def absorbed(self, position: Array, orientation: Array) -> float | None:
+        """Return the power that the body absorbs, W; None if it absorbs none."""
+        from tweezer.optics.bodies.by_sums import absorbed_of
+
+        if self.body.lossless:
+            return None
+        return float(absorbed_of(self.light, position[None], orientation[None], 0.0)[0])
+
+
+def _scaled(stiffness: Array, length: float) -> Array:
+    """Return a stiffness matrix with angles times a length, N/m."""
+    over = np.array([1.0, 1.0, 1.0, length, length, length])
+    return stiffness / (over[:, None] * over)
+
+
+def _turning(axis: Array) -> Array:
+    """Return Euler parameters that turn z to an axis (3,) of length about 1."""
+    x, y, z = axis / np.linalg.norm(axis)
+    half = math.hypot(x, y, 1 + z)
+    return np.array([half / 2, -y / half, x / half, 0.0])
+
+
+def _turned(orientation: Array, angle: Array) -> Array:
+    """Return Euler parameters turned further by an angle (3,) about the laboratory's axes, rad."""
+    size = float(np.linalg.norm(angle))
+    w = math.cos(size / 2)
+    x, y, z = angle * (0.5 * np.sinc(size / (2 * math.pi)))
+    a, b, c, d = orientation
+    found = np.array([
+        w * a - x * b - y * c - z * d, w * b + x * a + y * d - z * c,
+        w * c - x * d + y * a + z * b, w * d + x * c - y * b + z * a,
+    ])  # fmt: skip
+    turned: Array = found / np.linalg.norm(found)
+    return turned
+
+
+def _rotation(orientation: Array) -> Array:
+    """Return the rotation matrix of Euler parameters, from the body to the laboratory."""
+    w, x, y, z = orientation
+    return np.array([
+        [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+    ])  # fmt: skip
