@@ -13,6 +13,7 @@ from scipy.linalg import expm
 from scipy.special import sph_harm_y, spherical_jn, spherical_yn
 
 from derivation import bodies, waves
+from derivation import symbols as sy
 from derivation.bodies import INNER, SURFACE, TEST, cross, curl
 from derivation.equations import is_zero
 from derivation.waves import Pair
@@ -80,19 +81,40 @@ def inner(one, other):
 
 def test_emitted_derivative_is_the_closed_one():
     """-2 Re(dt* A q) - 2 Re((A t)* i B p)."""
-    dt, Bp = (waves.pair(names).value for names in (bodies.sy.CHANGE_RATE, bodies.sy.GENERATED))
+    dt, Bp = (waves.pair(names).value for names in (sy.CHANGE_RATE, sy.GENERATED))
     of_p, of_t = (
-        [waves.pair(names).value for names in of]
-        for of in (bodies.sy.GENERATED_P, bodies.sy.GENERATED_T)
+        [waves.pair(names).value for names in of] for of in (sy.GENERATED_P, sy.GENERATED_T)
     )
     found = expanded(bodies.DERIVATIVE, bodies.DERIVATIVE_PARTS)
-    for value, a_p, a_t in zip(found, of_p, of_t, strict=True):
+    for rate, a_p, a_t in zip(found, of_p, of_t, strict=True):
         expected = -twice_re(inner(dt, a_p + a_t) + inner(a_t, I * Bp))
-        assert vanishes(value - expected)
+        assert vanishes(rate - expected)
 
 
 def cartesian(plus, minus, along):
     return (plus + minus) / 2, (plus - minus) / (2 * I), along
+
+
+def value(names):
+    """A symbol, or a complex number of two."""
+    return waves.pair(names).value if isinstance(names, tuple) else names.symbol
+
+
+def test_components_of_the_direction_and_the_angular_momentum():
+    """Each element <n m|a|n' m'> times the amplitude at (n', m'); within n, the partner's."""
+    raised = {  # of s_+, to m from m - 1
+        sy.RAISED_DOWN: sy.DOWN_BEFORE, sy.TURNED_DOWN: sy.PARTNER_DOWN,
+        sy.LOWERED_DOWN: sy.DOWN_ABOVE,
+    }  # fmt: skip
+    lowered = {  # of s_-, the adjoint: <n m|s_-|n' m+1> = <n' m+1|s_+|n m>
+        sy.RAISED: sy.UP_ABOVE, sy.TURNED: sy.PARTNER_UP, sy.LOWERED: sy.UP_BEFORE,
+    }  # fmt: skip
+    along = {sy.ALONG: sy.BEFORE, sy.WITHIN: sy.PARTNER, sy.ALONG_ABOVE: sy.ABOVE}
+    turned = ({sy.LIFT_DOWN: sy.DOWN}, {sy.LIFT: sy.UP}, {sy.ORDER: sy.AMPLITUDE})
+    found = (*bodies.DIRECTED, *bodies.TURNED)
+    for component, terms in zip(found, (raised, lowered, along, *turned), strict=True):
+        expected = sum(value(element) * value(at) for element, at in terms.items())
+        assert vanishes(component.value - expected)
 
 
 @pytest.mark.parametrize(
@@ -106,8 +128,8 @@ def cartesian(plus, minus, along):
 def test_summands(outputs, parts, components):
     """-Re(t* a_i) of a_x = (a_+ + a_-)/2, a_y = (a_+ - a_-)/2i and a_z, and -Re(t* v)."""
     expected = [*cartesian(*(each.value for each in components)), bodies.v.value]
-    for value, operator in zip(expanded(outputs, parts), expected, strict=False):
-        assert vanishes(2 * value + twice_re(inner(bodies.t.value, operator)))
+    for summand, operator in zip(expanded(outputs, parts), expected, strict=False):
+        assert vanishes(2 * summand + twice_re(inner(bodies.t.value, operator)))
 
 
 def test_generators_are_the_cartesian_components():
@@ -116,8 +138,8 @@ def test_generators_are_the_cartesian_components():
         *cartesian(*(each.value for each in bodies.TURNED)),
     )
     found = expanded(bodies.parts(bodies.GENERATORS), bodies.GENERATORS_PARTS)
-    for at, value in enumerate(expected):
-        assert vanishes(Pair(*found[2 * at : 2 * at + 2]).value - value)
+    for at, component in enumerate(expected):
+        assert vanishes(Pair(*found[2 * at : 2 * at + 2]).value - component)
 
 
 # --- rotations ---------------------------------------------------------------------------------

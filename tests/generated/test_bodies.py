@@ -126,6 +126,23 @@ def test_torque_and_absorbed_power(light, change):
     np.testing.assert_allclose(summed, expected, rtol=0, atol=1e-13 * abs(expected).max())
 
 
+def _derivatives(p, change, generator):
+    """Sum of `derivative_summand` over all harmonics."""
+
+    def operators_on(amplitudes):
+        return lambda k: bodies.generators.py_func(
+            *neighbours(amplitudes, k), *LIFT, *elements_about()
+        )
+
+    return total(
+        bodies.derivative_summand,
+        lambda k: parts(change @ (1j * generator @ p), k),
+        lambda k: parts(generator @ p, k),
+        operators_on(p),
+        operators_on(change @ p),
+    )
+
+
 @pytest.mark.parametrize("column", range(6))
 def test_derivatives_of_force_and_torque(light, change, column):
     """Against differences over exp(i x A) on the light."""
@@ -140,30 +157,34 @@ def test_derivatives_of_force_and_torque(light, change, column):
     def central(step):
         return (wrench(step) - wrench(-step)) / (2 * step)
 
-    def operators_on(amplitudes):
-        return lambda k: bodies.generators.py_func(
-            *neighbours(amplitudes, k), *LIFT, *elements_about()
-        )
-
-    found = total(
-        bodies.derivative_summand,
-        lambda k: parts(change @ (1j * generator @ p), k),
-        lambda k: parts(generator @ p, k),
-        operators_on(p),
-        operators_on(change @ p),
-    )
+    found = _derivatives(p, change, generator)
     expected = (4 * central(STEP / 2) - central(STEP)) / 3
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * abs(expected).max())
 
 
-def test_body_of_revolution_without_loss_is_not_turned_about_its_axis(light):
-    """S is unitary and keeps m: -Re<t|J_z|v> vanishes, the other components do not."""
-    order = np.tile(M, 2)
+def of_revolution():
+    """S - 1 of a body without loss: S is unitary and keeps m."""
+    order, degree = np.tile(M, 2), np.tile(N, 2)
     hermitian = _random(3, (2, len(HARMONICS), 2, len(HARMONICS)), CHANGED).reshape(
         len(order), len(order)
     )
-    hermitian = (hermitian + hermitian.conj().T) * (order[:, None] == order)
-    t = (expm(1j * hermitian) - np.eye(len(order))) @ light
+    kept = (order[:, None] == order) * np.outer(degree <= CHANGED, degree <= CHANGED)
+    return expm(1j * (hermitian + hermitian.conj().T) * kept) - np.eye(len(order))
+
+
+def test_body_of_revolution_is_turned_about_its_axis_without_a_change(light):
+    """With A = s, J and B = J_z, the derivatives are F x z and M x z."""
+    change = of_revolution()
+    t = change @ light
+    vectors = bilinear(GENERATORS, t, 2 * light + t).reshape(2, 3)
+    found = _derivatives(light, change, J[2])
+    expected = np.cross(vectors, [0, 0, 1]).ravel()
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * abs(expected).max())
+
+
+def test_body_of_revolution_without_loss_has_no_torque_about_its_axis(light):
+    """-Re<t|J_z|v> vanishes, the other components do not."""
+    t = of_revolution() @ light
     x, y, z, absorbed = total(
         bodies.torque_summand, lambda k: parts(t, k), lambda k: turning(2 * light + t, k)
     )
