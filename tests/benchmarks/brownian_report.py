@@ -33,6 +33,8 @@ _STYLES = {
     Way("first-order", "heun", spring=True): ("#555555", "^", "--"),
 }
 
+#: evaluation of the force in NumPy
+_SHORT = {"table": "force map", "closed form": "closed form"}
 #: ways that must resolve the relaxation time
 _RESOLVING = (Way("full", "euler-maruyama"), Way("full", "baoab"))
 
@@ -75,7 +77,7 @@ def _by_way(results: Results) -> list[list[str]]:
         if entry["step_trap_times"] == STEP
     }
     table = [
-        [f"bias at a step of {STEP:g} trap times, %", "million steps per second",
+        [f"bias at a step of {STEP:g} relaxation times, %", "million steps per second",
          *(f"⟨x²⟩, {name}" for name in names), f"corner frequency, {MILD}"],
     ]  # fmt: skip
     rates = {(each["model"], each["method"]): each["steps_per_s"] for each in results["rates"]}
@@ -89,7 +91,7 @@ def _by_way(results: Results) -> list[list[str]]:
 def _against_numpy(results: Results) -> list[list[str]]:
     """Return the table of Euler-Maruyama's cost for the same error."""
     table = [
-        ["tweezer: scheme, well, step in trap times", "error of ⟨x²⟩, %",
+        ["tweezer: scheme, well, step in relaxation times", "error of ⟨x²⟩, %",
          "Euler-Maruyama's step, velocity relaxation times", "its error of ⟨v²⟩, %",
          "ratio of steps",
          "NumPy time / tweezer time: closed form", "force map", "sum over 7644 rays",
@@ -148,7 +150,7 @@ def left_out(results: Results) -> list[str]:
     for (why, where, what), at in steps.items():
         named = f"{what} at {' and '.join(at)}" if at else what
         grouped.setdefault(why, {}).setdefault(where, []).append(named)
-    return pages.left_out(grouped, "; steps in trap times")
+    return pages.left_out(grouped, "; steps in relaxation times")
 
 
 @style.styled
@@ -160,17 +162,16 @@ def figure(results: Results) -> Figure:
     _draw_rates(panels[0, 0], results["rates"])
     for axes, key, what in (
         (panels[0, 1], "x2", "⟨x²⟩"), (panels[1, 0], "v2", "⟨v²⟩"),
-        (panels[1, 1], "corner", "the corner frequency"),
+        (panels[1, 1], "corner", "$f_c$"),
     ):  # fmt: skip
         _draw(axes, entries, key, "step_trap_times")
-        axes.set(xlabel="step, trap times", ylabel=f"|relative bias of {what}|")
+        axes.set(xlabel="step (relaxation times)", ylabel=f"|relative bias of {what}|")
     _draw(panels[0, 2], entries, "x2", "us_per_trap_time")
     _draw_baseline(panels[0, 2], results)
     panels[0, 2].set(
-        xlabel="time of a trajectory, µs a trap time", ylabel="|relative bias of ⟨x²⟩|"
+        xlabel="computing time per relaxation time (µs)", ylabel="|relative bias of ⟨x²⟩|"
     )
-    panels[0, 1].set_title(f"well: {MILD}")
-    panels[0, 2].legend(loc="lower left")
+    style.add_title(drawn, f"Biases in the well: {MILD}")
     _draw_scaling(panels[1, 2], results)
     handles = [
         Line2D([], [], color=colour, marker=marker, linestyle=line, linewidth=1, label=way.label)
@@ -178,9 +179,10 @@ def figure(results: Results) -> Figure:
     ]
     handles += [
         Line2D([], [], color="0.4", marker="o", linestyle="", markerfacecolor="white",
-               label="below two standard errors, which is where it is drawn"),
+               label="below two standard errors, drawn there"),
         Line2D([], [], color=style.MUTED, linestyle="--", linewidth=0.8,
-               label="sampling floor: two standard errors, median"),
+               label="median of two standard errors"),
+        *panels[0, 2].get_lines()[-2:],
     ]  # fmt: skip
     drawn.legend(handles=handles, loc="outside lower center", ncols=3)
     return drawn
@@ -190,7 +192,7 @@ def _draw_rates(axes: Axes, rates: list[dict[str, Any]]) -> None:
     labels = [f"{each['model']}, {each['method']}" for each in rates]
     axes.barh(labels, [1e-6 * each["steps_per_s"] for each in rates], color=style.SERIES[4].colour)
     axes.invert_yaxis()
-    axes.set(xlabel="million steps a second, one core, 3-D, table")
+    axes.set(xlabel="million steps per second, one core")
     axes.grid(axis="x", visible=True)
 
 
@@ -239,7 +241,7 @@ def _draw_baseline(axes: Axes, results: Results) -> None:
         ns = results["baseline"]["ns_per_step"][name]["numpy"]
         axes.plot(
             1e-3 * ns * trap["trap_time_s"] / steps, bias["x2_bias"], color="black",
-            linewidth=1, linestyle=line, label=f"Euler-Maruyama in NumPy, {name}",
+            linewidth=1, linestyle=line, label=f"Euler-Maruyama in NumPy, {_SHORT[name]}",
         )  # fmt: skip
 
 
@@ -248,7 +250,7 @@ def _draw_scaling(axes: Axes, results: Results) -> None:
     lines = [
         *(
             (f"{each['kind']}: {each['count']}", f"{1e-6 * each['steps_per_s']:.1f} M steps/s",
-             f"{each['times_one']:.2f} times")
+             f"ratio {each['times_one']:.2f}")
             for each in results["cores"]
         ),
         *(
@@ -257,19 +259,19 @@ def _draw_scaling(axes: Axes, results: Results) -> None:
         ),
     ]  # fmt: skip
     table = axes.table(
-        cellText=lines, loc="center", cellLoc="left", edges="open", colWidths=[0.47, 0.33, 0.24]
+        cellText=lines, loc="center", cellLoc="left", edges="open", colWidths=[0.5, 0.32, 0.22]
     )
     table.auto_set_font_size(False)
     table.set_fontsize(style.SMALL)
     table.scale(1.0, 1.3)
-    axes.set_title("ensembles of statistics: full, heun")
+    axes.set_title("ensembles with statistics: full, heun")
 
 
 def block(results: Results) -> str:
     """Return the block: the trap's times, the tables, and what was omitted."""
     trap = results["trap"]
     times = (
-        f"The trap's relaxation time (the *trap time*) is {1e6 * trap['trap_time_s']:.0f} µs. The "
+        f"The trap's relaxation time is {1e6 * trap['trap_time_s']:.0f} µs. The "
         f"velocity's relaxation time is {1e9 * trap['relaxation_time_s']:.0f} ns."
     )
     lines = [

@@ -132,7 +132,7 @@ def figure(results: Results) -> Figure:
             )  # fmt: skip
     axes.axhline(95, color=style.MUTED, linestyle="--", linewidth=0.8)
     axes.set_xticks(range(len(groups(results))), list(groups(results)))
-    axes.set(ylabel="coverage of the 95 % interval, %", ylim=(80, 100.5))
+    axes.set(ylabel="coverage of the 95 % interval (%)", ylim=(80, 100.5))
     drawn.legend(loc="outside lower center", ncols=6)
     return drawn
 

@@ -63,9 +63,11 @@ def figure(results: Results) -> Figure:
                 capsize=2, label=METHODS[method] if i == 0 else None, **style.SERIES[j].points,
             )  # fmt: skip
     axes.axhline(95, color=style.MUTED, linestyle="--", linewidth=0.8)
-    axes.set_xticks(range(len(results["studies"])), [_named(each) for each in results["studies"]])
-    axes.tick_params(axis="x", labelsize=8)
-    axes.set(ylabel="coverage of the 95 % interval, %", ylim=(85, 100.5))
+    axes.set_xticks(
+        range(len(results["studies"])),
+        [_named(each).replace(", ", "\n") for each in results["studies"]],
+    )
+    axes.set(ylabel="coverage of the 95 % interval (%)", ylim=(85, 100.5))
     drawn.legend(loc="outside lower center", ncols=6)
     return drawn
 

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from tests.benchmarks import pages
 from tests.benchmarks.commands import FIRST_PAGE, FIRST_RUN, Results
+from tweezer.plots import style
 
 
 def tables(results: Results) -> list[list[list[str]]]:
@@ -37,21 +38,21 @@ def tables(results: Results) -> list[list[list[str]]]:
 _TIMES = ("cold_cpu_s", "cold_wall_s", "warm_cpu_s", "warm_wall_s")
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Draw the processor time of each command, cold and warm."""
     commands = results["commands"][::-1]
-    drawn = Figure(figsize=(7.0, 0.6 + 0.3 * len(commands)), layout="constrained")
+    drawn = style.new(style.PAGE, 0.6 + 0.2 * len(commands))
     axes = drawn.subplots()
     rows = range(len(commands))
-    for key, colour, marker, label in (
-        ("cold_cpu_s", "#004488", "o", "cold"), ("warm_cpu_s", "#bb5566", "s", "warm"),
-    ):  # fmt: skip
-        times = [each[key] for each in commands]
-        axes.plot(times, rows, marker, color=colour, ms=5, label=label)
+    for (key, label), mark in zip(
+        (("cold_cpu_s", "empty cache"), ("warm_cpu_s", "filled cache")), style.SERIES, strict=False
+    ):
+        axes.plot([each[key] for each in commands], rows, label=label, **mark.points)
     axes.set_yticks(rows, [textwrap.shorten(each["command"], 48) for each in commands])
     axes.set(xscale="log", xlabel="processor time (s)")
-    axes.grid(axis="x", lw=0.4)
-    axes.legend(frameon=False, loc="lower left", ncols=2, bbox_to_anchor=(0, 1))
+    axes.grid(axis="x", visible=True)
+    style.legend_above(axes, 2)
     return drawn
 
 

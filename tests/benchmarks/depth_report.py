@@ -70,14 +70,14 @@ def figure(results: Results) -> Figure:
         ends = [[at - 100 * each["coverage_from"]], [100 * each["coverage_to"] - at]]
         coverage.errorbar([i], [at], ends, fmt="o", capsize=2, color=style.SERIES[0].colour)
     coverage.axhline(95, color=style.MUTED, linestyle="--", linewidth=0.8)
-    coverage.axhspan(90, 99, color="0.93", label="asked for")
+    coverage.axhspan(90, 99, color="0.93", label="required")
     coverage.legend(loc="lower right")
     coverage.set_xticks(
         range(len(results["beads"])), [_motion(e).replace(", ", "\n") for e in results["beads"]],
         rotation=40, ha="right", rotation_mode="anchor",
     )  # fmt: skip
     coverage.set(xlim=(-0.5, len(results["beads"]) - 0.5))
-    coverage.set(ylim=(60, 101), ylabel="coverage of the 95 % interval, %")
+    coverage.set(ylim=(60, 101), ylabel="coverage of the 95 % interval (%)")
     for rate, mark in zip(
         sorted({each["rate_Hz"] for each in results["cameras"]}),
         style.SERIES,
@@ -87,10 +87,10 @@ def figure(results: Results) -> Figure:
         intervals = [1e9 * each["median_interval_m"] for each in own]
         length.plot(
             [1e9 * each["noise_m"] for each in own], intervals, **mark.both,
-            label=f"{rate:.0f} frames a second",
+            label=f"{rate:.0f} frames per second",
         )  # fmt: skip
     length.set(
-        xscale="log", xlabel="noise of the camera, nm", ylabel="median 95 % interval of z, nm"
+        xscale="log", xlabel="noise of the camera (nm)", ylabel="median 95 % interval of z (nm)"
     )
     noises = sorted({1e9 * each["noise_m"] for each in results["cameras"]})
     length.set_xticks(noises, [f"{noise:g}" for noise in noises])

@@ -102,8 +102,8 @@ def figure(results: Results) -> Figure:
         panel.set_xticks([0.2, 0.3, 0.5, 1, 2, 3], ["0.2", "0.3", "0.5", "1", "2", "3"])
         panel.minorticks_off()
     panels[0].set_ylabel("power through the pupil (W)")
-    panels[0].legend(title="least power to hold it for", loc="lower left")
-    drawn.colorbar(colours, ax=panels, label="work of the easiest straight way out ($k_BT$)")
+    panels[0].legend(title="minimum power for a lifetime of", loc="lower left")
+    drawn.colorbar(colours, ax=panels, label="escape work ($k_BT$)")
     return drawn
 
 

@@ -49,7 +49,8 @@ def figure(results: Results) -> Figure:
             axes.errorbar(
                 at, len(names), xerr=ends, fmt="o", color=style.SERIES[0].colour, capsize=2
             )
-            names.append(f"{study['name']}: {key}")
+            alone = " alone" if len(study["keys"]) == 1 else ""
+            names.append(f"{study['name']}: {key}{alone}")
     axes.axvline(95, color=style.MUTED, lw=0.8, ls="--")
     axes.set_yticks(range(len(names)), names)
     axes.invert_yaxis()

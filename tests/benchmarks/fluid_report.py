@@ -102,7 +102,7 @@ def figure(results: Results) -> Figure:
     poles = [each["poles"] for each in results["modes"]]
     for (name, label), mark in zip(_QUANTITIES.items(), style.SERIES, strict=False):
         values = [each[name] for each in results["modes"]]
-        left.semilogy(poles, values, label=label, **mark.both)
+        left.semilogy(poles, values, label=label.replace("τ_f", r"$\tau_f$"), **mark.both)
     left.set(xlabel="poles", ylabel="largest error, four beads")
     style.headroom(left, 0.35)
     left.legend(loc="upper right")
@@ -113,8 +113,8 @@ def figure(results: Results) -> Figure:
             label=of["bead"], **mark.both,
         )  # fmt: skip
         right.axhline(of["without_um"], color=mark.colour, lw=0.8, ls="--")
-    right.set(xlabel="poles", ylabel="off the exact memory (µm)")
-    right.set_title("captures; dashed: without memory")
+    right.set(xlabel="poles", ylabel="position error of a capture (µm)")
+    right.set_title("dashed: without fluid inertia")
     right.legend(loc="lower left")
     return drawn
 

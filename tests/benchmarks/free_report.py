@@ -76,8 +76,7 @@ def figure(results: Results) -> Figure:
     axes.axhline(95, color=style.MUTED, linestyle="--", linewidth=0.8)
     names = [_named(study).replace(", ", "\n") for study in results["studies"]]
     axes.set_xticks(range(len(names)), names)
-    axes.tick_params(axis="x", labelsize=8)
-    axes.set(ylabel="coverage of the 95 % interval, %", ylim=(85, 100.5))
+    axes.set(ylabel="coverage of the 95 % interval (%)", ylim=(85, 100.5))
     drawn.legend(loc="outside lower center", ncols=3)
     return drawn
 

@@ -112,11 +112,11 @@ def figure(results: Results) -> Figure:
                     [here - 100 * low for here, (low, _) in zip(inside, ends, strict=True)],
                     [100 * high - here for here, (_, high) in zip(inside, ends, strict=True)],
                 ]
-                way = "along" if axis == "x" else "across"
+                way = "parallel to the wall" if axis == "x" else "perpendicular"
                 panel.errorbar(
                     gaps, inside, bars, fmt=marker, ms=3.5, capsize=2, color=colour,
                     mfc=colour if filled else "white",
-                    label=f"{way}{'' if filled else ', fluid with inertia'}",
+                    label=f"{way}{'' if filled else ', with fluid inertia'}",
                 )  # fmt: skip
         panel.axhline(95, color=style.MUTED, linestyle="--", linewidth=0.8)
         panel.set(xscale="log", xlabel="gap (radii)", title=_NAMES.get(quantity, quantity))
@@ -128,7 +128,7 @@ def figure(results: Results) -> Figure:
     return drawn
 
 
-_NAMES = {"m/V": "sensitivity (m/V)"}
+_NAMES = {"m/V": "displacement sensitivity"}
 #: quantities in the table of pooled coverage
 _LONG = {"stiffness": "stiffness", "drag": "drag", "m/V": "displacement sensitivity"}
 

@@ -13,6 +13,7 @@ from scipy.stats import binomtest
 from tests.benchmarks import pages
 from tests.benchmarks.hydro import Results
 from tweezer.plots import style
+from tweezer.values.signs import typeset
 
 #: ways of the figure
 WAYS = ("volts", "pylake", "pylake, as called", "volts, no inertia", "pylake, no inertia")
@@ -140,10 +141,12 @@ def figure(results: Results) -> Figure:
                 )  # fmt: skip
         panels[0, column].axhline(0, color=style.MUTED, linestyle="--", linewidth=0.8)
         panels[1, column].axhline(95, color=style.MUTED, linestyle="--", linewidth=0.8)
-        panels[0, column].set_title({"stiffness": "stiffness", "m/V": "metres a volt"}[quantity])
+        panels[0, column].set_title(
+            {"stiffness": "stiffness", "m/V": "displacement sensitivity (m/V)"}[quantity]
+        )
         panels[1, column].set_xticks(
             range(len(studies)),
-            [study["name"].replace(", ", "\n") for study in studies],
+            [typeset(study["name"].replace(", ", "\n")) for study in studies],
         )
     panels[0, 0].set_ylabel("bias, 95 % interval (%)")
     panels[1, 0].set_ylabel("coverage (%)")

@@ -93,10 +93,11 @@ def figure(results: Results) -> Figure:
         axes.remove()
     for axes, (label, key) in zip(each, panels, strict=False):
         _draw(axes, motions[label]["entries"], key)
-        axes.set_title(label.replace(", ", ",\n", 1))
-        axes.set_xlabel("time, ms" if key == "ms" else "force calls")
+        named = label.replace("rays", "ray optics").replace("waves", "wave optics")
+        axes.set_title(named.replace(", ", ",\n", 1))
+        axes.set_xlabel("time (ms)" if key == "ms" else "force calls")
     for axes in each[: len(panels) : _COLUMNS]:
-        axes.set_ylabel("largest error in the trap, µm")
+        axes.set_ylabel("largest error in the trap (µm)")
     handles = [
         Line2D([], [], color=colour, marker=marker, linewidth=1, markersize=3.5, label=label)
         for colour, marker, label in _STYLES.values()

@@ -102,8 +102,14 @@ def renew(name: str, written: Callable[[Results], str], drawn: Callable[[Results
     """Write a benchmark's block and draw its figure again, from the committed results."""
     results = committed(name)
     quote(name, written(results))
-    with (FIGURES / f"bench-{name}.png").open("wb") as file:
-        style.save(drawn(results), file, "png")
+    save(drawn(results), f"bench-{name}")
+
+
+def save(figure: Figure, name: str) -> None:
+    """Write a figure of the documentation as NAME.png, with a letter for each of several panels."""
+    style.add_letters(figure)
+    with (FIGURES / f"{name}.png").open("wb") as file:
+        style.save(figure, file, "png")
 
 
 def _between(name: str) -> re.Pattern[str]:

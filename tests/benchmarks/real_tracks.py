@@ -125,6 +125,13 @@ def _ends(value: float, interval: list[float], factor: float, digits: int) -> st
     return f"{factor * value:.{digits}f} ({factor * low:.{digits}f} to {factor * high:.{digits}f})"
 
 
+def _short(name: str) -> str:
+    """Return the name of a track as the title of a panel: the size, the series and the bead."""
+    name = name.replace(" brownian ambient light off - use this", "").replace("um", " µm ")
+    words = name.replace("_bead", " bead ").split()
+    return " ".join(word for word in words if not word.startswith("brown"))
+
+
 @style.styled
 def figure(results: Results) -> Figure:
     """Mean squared displacements over lags, and the interval of the diffusion, by track."""
@@ -133,13 +140,13 @@ def figure(results: Results) -> Figure:
     for axes, each in zip(every.flat, results["tracks"], strict=True):
         axes.axhspan(*(1e12 * end for end in each["interval"]), color=style.SHADE)
         axes.semilogx(LAGS, [1e12 * v for v in each["by_lag"]], **style.SERIES[0].points)
-        axes.set_title(each["name"].replace(" brownian ambient light off - use this", ""))
+        axes.set_title(_short(each["name"]))
         axes.set_xticks(LAGS, [str(lag) for lag in LAGS])
         axes.minorticks_off()
     for first in every[:, 0]:
         first.set_ylim(0, None)
-    drawn.supxlabel("lag, frames")
-    drawn.supylabel("MSD / 2 t along one axis, um²/s")
+    drawn.supxlabel("lag (frames)")
+    drawn.supylabel("MSD / 2t along one axis (µm²/s)")
     return drawn
 
 
@@ -149,5 +156,4 @@ if __name__ == "__main__":
         (ROOT / "tests/benchmarks/results/real_tracks.json").write_text(kept, encoding="utf-8")
     found = pages.committed("real_tracks")
     pages.quote("real-tracks", block(found))
-    with (pages.FIGURES / "free-tracks.png").open("wb") as file:
-        style.save(figure(found), file, "png")
+    pages.save(figure(found), "free-tracks")

@@ -43,9 +43,9 @@ _STYLES = {
     "numpy": (style.SERIES[1].colour, "X", "NumPy sum, 7644 rays"),
     "grid": (style.SERIES[2].colour, "o", "grid, 25 to 1600 squares across"),
     "quadrature": (style.SERIES[0].colour, "s", "quadrature, tolerance 1e-2 to 1e-12"),
-    "map": (style.SERIES[3].colour, "D", "map, 1e-5 to 1e-8 of the largest force"),
-    "waves": (style.SERIES[4].colour, "v", "waves by quadrature, 1e-2 to 1e-12"),
-    "waves' map": (style.SERIES[5].colour, "P", "waves' map, 1e-5 to 1e-8 of the largest force"),
+    "map": (style.SERIES[3].colour, "D", "map, 1e-5 to 1e-8 of largest force"),
+    "waves": (style.SERIES[4].colour, "v", "wave optics, quadrature, 1e-2 to 1e-12"),
+    "waves' map": (style.SERIES[5].colour, "P", "wave optics, map, 1e-5 to 1e-8"),
 }
 
 
@@ -99,16 +99,16 @@ def figure(results: Results) -> Figure:
     """Largest and median error against time per position, a panel for each kind of place; waves by
     the size of the bead.
     """
-    drawn = style.new(style.PAGE, 7.2)
-    above, below = drawn.subfigures(2, 1, height_ratios=(2, 1))
+    drawn = style.new(style.PAGE, 7.8)
+    above, below = drawn.subfigures(2, 1, height_ratios=(1.8, 1))
     panels = above.subplots(2, 3, sharex=True, sharey=True)
     for axes, kind in zip(panels.flat, results["places"], strict=False):
         _draw(axes, results["places"][kind])
         axes.set_title(_title(kind))
     for axes in panels[:, 0]:
-        axes.set_ylabel("error, relative to the force")
+        axes.set_ylabel("relative error of the force")
     for axes in (*panels[1, :2], panels[0, 2]):
-        axes.set_xlabel("time per position, µs")
+        axes.set_xlabel("time per position (µs)")
         axes.tick_params(labelbottom=True)
     _explain(panels[1, 2])
     waves_report.draw(below.subplots(1, 3), results["waves"])
@@ -143,7 +143,7 @@ def _explain(axes: Axes) -> None:
         for colour, marker, label in _STYLES.values()
     ]
     handles += [
-        Line2D([], [], color="0.3", linewidth=1.0, label="largest error of the places"),
+        Line2D([], [], color="0.3", linewidth=1.0, label="largest error of the positions"),
         Line2D([], [], color="0.3", linewidth=1, linestyle=":", label="median error"),
     ]
     axes.legend(handles=handles, loc="center")

@@ -113,7 +113,7 @@ def _checks(results: Results) -> list[list[str]]:
 @style.styled
 def figure(results: Results) -> Figure:
     """Time and efficiency against cores, by what is kept."""
-    drawn = style.new(style.PAGE, 2.9)
+    drawn = style.new(style.PAGE, 3.3)
     times, efficiencies = drawn.subplots(1, 2, sharex=True)
     for mark, each in zip(style.SERIES, results["plan"], strict=False):
         cores = [entry["cores"] for entry in each["cores"]]
@@ -123,9 +123,9 @@ def figure(results: Results) -> Figure:
         efficiencies.semilogx(cores, efficiency, **mark.both)
     _finish(times, "time (h)")
     _finish(efficiencies, "efficiency")
-    times.legend(title="the first curves coincide")
+    style.legend_below(drawn, 3, handles=times.get_lines())
     efficiencies.set_ylim(0, 1.05)
-    drawn.suptitle(f"{_powers('10^15')} steps, full model, heun: modelled")
+    drawn.suptitle(f"{_powers('10^15')} steps, full model, heun: modelled; some curves coincide")
     return drawn
 
 

@@ -46,9 +46,14 @@ def figure(results: Results) -> Figure:
     drawn = style.new(style.COLUMN, 2.3)
     axes = drawn.subplots()
     done = results["killed"]["cases_done_at_each"]
-    axes.step(range(len(done)), done, where="mid", color=style.SERIES[0].colour, marker="o", ms=4)
-    axes.axhline(results["whole"]["cases"], color="#777777", lw=0.8, ls="--")
-    axes.set(xlabel="kill", ylabel="cases done", xlim=(0, max(len(done) - 1, 1)), ylim=(0, None))
+    axes.step(range(len(done)), done, where="mid", **style.SERIES[0].both)
+    whole = results["whole"]["cases"]
+    axes.axhline(whole, color=style.MUTED, lw=0.8, ls="--", label="all cases")
+    axes.set(
+        xlabel="number of kills", ylabel="cases completed", xlim=(-0.5, len(done) - 0.5),
+        ylim=(-0.04 * whole, 1.2 * whole),
+    )  # fmt: skip
+    axes.legend(loc="upper left")
     return drawn
 
 

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from tests.benchmarks import pages
 from tests.benchmarks.view import Results
+from tweezer.plots import style
 
 #: Load average above which the times do not represent an idle machine
 BUSY = 1.0
@@ -32,16 +33,20 @@ def tables(results: Results) -> list[list[list[str]]]:
     ]  # fmt: skip
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Draw the frames per second of each page."""
-    drawn = Figure(figsize=(6.5, 1.8), layout="constrained")
+    drawn = style.new(style.PAGE, 1.5)
     axes = drawn.subplots()
     shown = results["pages"][::-1]
     rows = range(len(shown))
-    axes.barh(rows, [each["frames_per_s"] for each in shown], height=0.5, color="#004488")
-    axes.axvline(SMOOTH, color="#777777", lw=0.8, ls="--")
+    axes.barh(
+        rows, [each["frames_per_s"] for each in shown], height=0.5, color=style.SERIES[4].colour
+    )
+    axes.axvline(SMOOTH, color=style.MUTED, lw=0.8, ls="--", label="smooth")
     axes.set_yticks(rows, [each["page"] for each in shown])
-    axes.set(xlabel="frames a second, without a graphics card")
+    axes.set(xlabel="frames per second without a graphics card")
+    style.legend_above(axes, 1)
     return drawn
 
 

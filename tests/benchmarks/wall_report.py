@@ -74,7 +74,7 @@ def _with_error(value: float, error: float) -> str:
 @style.styled
 def figure(results: Results) -> Figure:
     """Draw the biases of the mean gap against the step, and with inertia."""
-    drawn = style.new(style.PAGE, 2.9)
+    drawn = style.new(style.PAGE, 3.1)
     left, right = drawn.subplots(1, 2)
     steps = sorted({each["step"] for each in results["bias"]})
     for (name, label), mark in zip(_SCHEMES.items(), style.SERIES, strict=False):
@@ -84,24 +84,24 @@ def figure(results: Results) -> Figure:
             [each["mean_error"] for each in of], label=label, **mark.both,
         )  # fmt: skip
     left.axhline(1, color="grey", lw=1, ls="--")
-    left.set(xscale="log", yscale="log", ylim=(1e-2, 100), xlabel="step over T",
+    left.set(xscale="log", yscale="log", ylim=(1e-2, 100), xlabel="step / T",
              ylabel="bias of the mean gap (%)")  # fmt: skip
     left.set_xticks(steps, [f"{step:g}" for step in steps], minor=False)
     left.set_xticks([], minor=True)
-    style.legend_above(left, 3)
+    left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3)
     of = results["inertia"]
     for mark, (key, label) in zip(
-        style.SERIES, (("mean", "mean gap"), ("low", "below a tenth of it")), strict=False
+        style.SERIES, (("mean", "mean gap"), ("low", "time below a tenth of it")), strict=False
     ):
         right.errorbar(
             [each["ratio"] for each in of], [each[key] for each in of],
             [each[f"{key}_error"] for each in of], label=label, **mark.both,
         )  # fmt: skip
     right.axhspan(-1, 1, color=style.SHADE, lw=0, zorder=0)
-    right.set(xscale="log", xlabel="step over the relaxation time of the velocity",
+    right.set(xscale="log", xlabel="step / relaxation time of the velocity",
               ylabel="bias (%)")  # fmt: skip
     right.set_title(f"with inertia, steps of {OF_INERTIA:g} T")
-    right.legend()
+    right.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
     return drawn
 
 

@@ -198,7 +198,7 @@ def draw(panels: Iterable[Axes], waves: Results) -> None:
             times, errors, color=shade, marker="s", markersize=3, linewidth=1,
             label=f"{size['diameter_um']:g} µm",
         )  # fmt: skip
-    by_tolerance.set(xlabel="time per position, µs", ylabel="largest error inside, waves")
+    by_tolerance.set(xlabel="time per position (µs)", ylabel="largest error, wave optics, inside")
     for band, mark in _BAND_STYLES.items():
         times = [size["bands"][band]["us"] for size in waves["sizes"]]
         by_size.plot(diameters, times, label=band, **mark.both)
@@ -215,22 +215,23 @@ def draw(panels: Iterable[Axes], waves: Results) -> None:
             linestyle=line,
             label=name,
         )
-    by_size.plot([], [], color="0.3", linewidth=1, linestyle=":", label="rays, of any size")
-    by_size.set(xlabel="diameter, µm", ylabel="time at 1e-8, µs")
+    by_size.plot([], [], color="0.3", linewidth=1, linestyle=":", label="ray optics, any size")
+    by_size.set(xlabel="diameter (µm)", ylabel="time at 1e-8 (µs)")
     mapped = [size for size in waves["sizes"] if size["map"]]
     for mark, (key, factor, label) in zip(style.SERIES, (
-        ("made_s", 1.0, "made"), ("loaded_s", 1.0, "loaded"), ("read_ns", 1e-9, "read"),
-        ("with_jacobian_ns", 1e-9, "read with the Jacobian"),
+        ("made_s", 1.0, "build"), ("loaded_s", 1.0, "load"), ("read_ns", 1e-9, "read"),
+        ("with_jacobian_ns", 1e-9, "read with Jacobian"),
     ), strict=False):  # fmt: skip
         times = [factor * size["map"][key] for size in mapped]
         diameters = [size["diameter_um"] for size in mapped]
         of_map.plot(diameters, times, label=label, **mark.both)
-    of_map.set(xlabel="diameter, µm", ylabel="time of the waves' map, s")
+    of_map.set(xlabel="diameter (µm)", ylabel="time, wave-optics map (s)")
     for axes in (by_tolerance, by_size, of_map):
         axes.set(xscale="log", yscale="log")
         axes.grid(visible=True)
-        style.headroom(axes, 0.5)
-        axes.legend(loc="upper right", ncols=2 if axes is by_tolerance else 1)
+        axes.legend(
+            loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=1 if axes is of_map else 2
+        )
 
 
 def _two(value: float) -> str:

@@ -250,7 +250,7 @@ def test_one_key_gives_a_curve(show, diagram):
     expected = 1e6 * float(diagram["stiffness"][1, 0].sel(axis="x"))
     assert float(row.text) == pytest.approx(expected, rel=0.01)
     # a case far off does not hide how the others differ: it is beyond the axis, and it is said
-    words = "stable equilibrium nearest the focus, measured from it, z"
+    words = "equilibrium relative to the focus, z"
     Select(browser.find_element("css selector", ".tools select")).select_by_visible_text(words)
     low, high = browser.execute_script("return tweezer.axis()")
     assert low < 0.09 < 0.12 < high < 0.13

@@ -42,7 +42,7 @@ def reproduce(
     ):
         result = reproduced(what or (), awaited(out), seed=seed, progress=progress)
     if result.claims:
-        table = table_of("where", "claim", "verdict", "by waves")
+        table = table_of("section", "claim", "verdict", "with wave optics")
         for claim in result.claims:
             table.add_row(claim.where, claim.text, claim.verdict, claim.verdict_by_waves)
         OUT.print(table)

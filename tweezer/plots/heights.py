@@ -91,5 +91,5 @@ def _draw_equilibria(axes: Axes, trap: xr.Dataset) -> None:
     axes.plot(height[order], touching, color=style.MUTED, lw=1.0, label="bead touches the wall")
     behind = np.minimum(touching, low) if normal > 0 else np.maximum(touching, high)
     axes.fill_between(height[order], touching, behind, **style.SOLID)
-    axes.set(ylim=(low, high), ylabel="equilibrium, z from the focus (µm)")
+    axes.set(ylim=(low, high), ylabel="z of the equilibrium (µm)")
     style.legend_above(axes, 1)

@@ -126,6 +126,8 @@ def _notes(run: xr.Dataset, path: _Path) -> list[str]:
     notes.append(told)
     if _thermal(run):
         return [*notes, "Records that settle are drawn in the range of their second half."]
+    if _closest_approach(run) is not None:
+        notes.append("Dotted line: first closest approach to the focus.")
     notes.append(
         "Terminal speed: the speed at which the drag balances the other forces. Reynolds number: "
         "speed times diameter times density over viscosity of the medium."
@@ -272,7 +274,7 @@ def _draw_position(axes: Axes, run: xr.Dataset) -> None:
         axes.plot(_milliseconds(run), values, label=axis, zorder=3 - below / 4, **_look(run, mark))
     axes.axhline(0, color=style.MUTED, lw=0.6)
     _draw_contact(axes, scene_of(run))
-    _mark_closest_approach(axes, run, "")
+    _mark_closest_approach(axes, run)
     axes.set_ylabel("position (µm)")
     style.widen(style.legend_above(axes, 3, markerscale=3))
 
@@ -346,7 +348,7 @@ def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
     axes.plot(time, run["speed"], label="speed", **look)
     terminal = _look(run, style.TERMINAL)
     axes.plot(time, run["terminal_speed"], label="terminal speed", **terminal)
-    _mark_closest_approach(axes, run, "first closest\napproach")
+    _mark_closest_approach(axes, run)
     fast = float(run["speed"].max())
     if fast > 0:
         axes.set_yscale("log")
@@ -364,15 +366,15 @@ def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
     style.legend_above(axes, 2)
 
 
-def _mark_closest_approach(axes: Axes, run: xr.Dataset, label: str) -> None:
-    """Mark the time of the first closest approach by a line, except for thermal motion."""
-    time = summarise(run).closest_approach_time
-    if time is None or _thermal(run):  # thermal motion has many close approaches
-        return
-    axes.axvline(time * per("ms"), color=style.MUTED, lw=0.8, ls=":")
-    late = time * per("ms") > _milliseconds(run)[-1] / 2
-    axes.annotate(
-        label, (time * per("ms"), 0), xycoords=("data", "axes fraction"),
-        xytext=(-3 if late else 3, 3), textcoords="offset points", va="bottom",
-        ha="right" if late else "left", fontsize=style.SMALL, color=style.NOTE,
-    )  # fmt: skip
+def _mark_closest_approach(axes: Axes, run: xr.Dataset) -> None:
+    """Mark the time of the first closest approach by a line, if there is one."""
+    time = _closest_approach(run)
+    if time is not None:
+        axes.axvline(time * per("ms"), color=style.MUTED, lw=0.8, ls=":")
+
+
+def _closest_approach(run: xr.Dataset) -> float | None:
+    """Return the time of the first closest approach, s; None without one and for thermal motion,
+    which has many.
+    """
+    return None if _thermal(run) else summarise(run).closest_approach_time

@@ -91,6 +91,9 @@ SOLID: dict[str, Any] = {"fc": "#e2e7ed", "ec": "#a9b6c3", "hatch": "////", "lw"
 #: Maps of colours: of a size from zero, and of any value. Their lightness goes one way
 FROM_ZERO, VALUES = "Blues", "viridis"
 
+#: Label that Matplotlib gives to the axes of a colour bar
+_COLOURBAR = "<colorbar>"
+
 _PARAMETERS: Any = {
     "axes.prop_cycle": cycler(color=[mark.colour for mark in SERIES]),
     "font.family": "sans-serif",
@@ -251,8 +254,19 @@ def add_notes(figure: Figure | SubFigure, notes: Iterable[str]) -> None:
         figure.supxlabel("\n".join(lines), fontsize=SMALL, color=NOTE, parse_math=False)
 
 
-def add_letters(panels: Iterable[Axes]) -> None:
-    """Add the letters a, b, c, ... above the left corners of panels, in their order."""
+@styled
+def add_letters(panels: Figure | Iterable[Axes]) -> None:
+    """Add the letters a, b, c, ... above the left corners of panels, in their order.
+
+    Parameters
+    ----------
+    panels : Figure or iterable of Axes
+        Panels, or a figure: all its panels if it has several. Colour bars and invisible axes do not
+        count as panels.
+    """
+    if isinstance(panels, Figure):
+        panels = [axes for axes in panels.axes if axes.axison and axes.get_label() != _COLOURBAR]
+        panels = panels if len(panels) > 1 else []
     for letter, axes in zip(string.ascii_lowercase, panels, strict=False):
         axes.set_title(letter, loc="left", fontweight="bold")
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from tweezer.plots import style
 from tweezer.results.io import scene_of
@@ -264,14 +265,15 @@ def captures_figure(of_each_theory: Iterable[Mapping[str, Motions]]) -> Figure:
             mark = _THEORY_LINES[motions.theory]
             for axes, axis in ((above, "y"), (below, "z")):
                 path = run["position"].sel(axis=axis).values * per("um")
-                axes.plot(_time(run), path, label=motions.theory, **mark.curve)
+                name = {"rays": "ray optics", "waves": "wave optics"}[motions.theory]
+                axes.plot(_time(run), path, label=name, **mark.curve)
         for axes in (above, below):
             axes.axhline(0, color=_MUTED, lw=0.6)
         slowest = max(by_bead[bead].summary("unscaled").outcome_time for by_bead in by_theory)
         above.set(title=f"{bead[:-2]} nm", ylabel="q2 (µm)", xlim=(0, 1.3 * slowest * per("ms")))
         below.set(xlabel="time (ms)", ylabel="q3, from the focus (µm)")
     panels[0, 0].legend()
-    style.add_title(drawn, "The unscaled beads in the thesis's light: rays, and exact")
+    style.add_title(drawn, "Unscaled beads in the light of the thesis: ray optics and wave optics")
     return drawn
 
 
@@ -292,8 +294,8 @@ def memory_figure(by_bead: Mapping[str, Motions], found: Iterable[Remembered]) -
     for bead, (above, below) in zip(BEADS, panels.T, strict=True):
         motions, each = by_bead[bead], of_rays[bead]
         for run, mark, name in (
-            (motions.unscaled, style.SERIES[1], "without"),
-            (motions.remembering, style.SERIES[0], "with the fluid's inertia"),
+            (motions.unscaled, style.SERIES[1], "without fluid inertia"),
+            (motions.remembering, style.SERIES[0], "with fluid inertia"),
         ):
             away = np.abs(run["position"].sel(axis="y").values) / factor("nm")
             above.plot(_time(run), away, label=name, **mark.curve)
@@ -305,19 +307,27 @@ def memory_figure(by_bead: Mapping[str, Motions], found: Iterable[Remembered]) -
         for scaled in each.scaled:
             below.plot(
                 scaled.time * per("ms"), scaled.q2 * per("um"), color=_DARK["thesis"], lw=1.3,
-                ls=_READING_LINES[scaled.reading], label=f"{scaled.reading}: {scaled.outcome}",
+                ls=_READING_LINES[scaled.reading], label=scaled.outcome,
             )  # fmt: skip
         below.axhline(0, color=_MUTED, lw=0.6)
         below.set(
-            xlabel="time (ms)", ylabel="q2 (µm), printed a₂", ylim=(-0.3, 0.3),
+            xlabel="time (ms)", ylabel="q2 (µm), printed a₂", ylim=(-0.45, 0.3),
             xlim=(0.9 * ends, 2.1 * ends),
         )  # fmt: skip
-        below.legend(title="has inertia", loc="upper center", bbox_to_anchor=(0.5, -0.2))
-    style.legend_below(drawn, 2, handles=panels[0, 0].get_lines())
+        below.legend(loc="lower right")
+    readings = [
+        Line2D([], [], color=_DARK["thesis"], lw=1.3, ls=line, label=reading)
+        for reading, line in _READING_LINES.items()
+    ]
+    style.legend_below(drawn, 3, handles=[*panels[0, 0].get_lines(), *readings])
     style.add_title(
-        drawn, "The fluid's inertia: the unscaled beads, and three readings of the scaling"
+        drawn, "Fluid inertia: the unscaled beads (above), and three readings of the scaling"
     )
     return drawn
+
+
+#: Titles of the panels of the study
+_PANELS = {"a2": "other a₂", "power": "other power", "other": "other changes"}
 
 
 @style.styled
@@ -342,15 +352,15 @@ def study_figure(study: Study) -> Figure:
                 label=f"{variant.name}: {variant.outcome}",
             )  # fmt: skip
         axes[panel].set(xlabel="time (ms)", ylabel="q2 (µm)")
-        axes[panel].set_title("solid: trapped and ringing, or as printed (black)")
+        axes[panel].set_title(_PANELS[panel])
         axes[panel].legend(loc="upper center", bbox_to_anchor=(0.5, -0.17))
     _draw_capture(axes["map"], study)
     low, high = study.kept_interval
     style.add_title(
         drawn,
-        "The thesis's 500 nm bead, scaled model: what keeps it",
-        f"with thermal motion, all else as printed, {study.kept} of {study.released} stay "
-        f"(95 %: {low:.0%} to {high:.0%})",
+        "The thesis's 500 nm bead in the scaled model; solid: trapped and ringing, or as printed",
+        f"With thermal motion and the printed values, {study.kept} of {study.released} beads stay "
+        f"({100 * low:.0f} % to {100 * high:.0f} % with 95 % confidence)",
     )
     return drawn
 
@@ -367,5 +377,5 @@ def _draw_capture(axes: Axes, study: Study) -> None:
     axes.plot(lost_columns, lost_rows, "x", color=style.LIGHT, ms=5)
     axes.set_xticks(columns, [f"{factor:g}" for factor in study.factors], rotation=45)
     axes.set_yticks(rows, [f"{power:g}" for power in study.powers])
-    axes.set(xlabel="a2", ylabel="power before the pupil (mW)")
-    axes.set_title("x: not trapped; printed: 3e-05, 156 mW")
+    axes.set(xlabel="a₂", ylabel="power before the pupil (mW)")
+    axes.set_title("x: lost; printed: 3e-05, 156 mW")

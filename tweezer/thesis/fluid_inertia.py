@@ -20,7 +20,7 @@ from tweezer.scene import Scene, load_scene
 from tweezer.thesis.runs import BEADS, Motions, in_the_light
 
 #: Readings of the scaled model: which inertia a2 divides, and which inertia is unscaled
-READINGS = ("the bead alone", "the bead, fluid as it is", "bead and fluid")
+READINGS = ("bead scaled, no fluid inertia", "bead scaled, fluid not", "bead and fluid scaled")
 
 
 @dataclass(frozen=True)
@@ -98,9 +98,9 @@ def _scaled(motions: Motions, reading: str) -> Scaled:
     )
     unit = 1.0
     match reading:
-        case "the bead alone":
+        case "bead scaled, no fluid inertia":
             scene = printed
-        case "the bead, fluid as it is":
+        case "bead scaled, fluid not":
             scene = printed.replace(medium={"inertia": "memory"})
         case _:
             scene, unit = _all_inertia_scaled(printed)

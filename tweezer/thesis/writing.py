@@ -34,6 +34,8 @@ from tweezer.values.prefixes import per
 
 #: Names of the results that `reproduce` can write in addition to figures
 TABLES = ("claims", "waves", "memory", "study")
+#: Names of the theories of the light
+_THEORIES = {"rays": "ray optics", "waves": "wave optics"}
 #: Approximate durations, relative to that of a figure
 _WORK = {"motions": 15.0, "waves": 2.0, "memory": 3.0, "claims": 25.0, "study": 60.0}
 
@@ -140,7 +142,8 @@ def reproduce(
 
 
 def _save(figure: Figure, path: Path) -> Path:
-    """Write a figure as PNG atomically, and return its path."""
+    """Write a figure as PNG atomically, with letters for its panels, and return its path."""
+    style.add_letters(figure)
     with replacing(path) as whole:
         style.save(figure, whole, "png")
     return path
@@ -148,7 +151,9 @@ def _save(figure: Figure, path: Path) -> Path:
 
 def _write_claims(found: Sequence[Claim], folder: Path) -> list[Path]:
     """Write the claims as claims.json and claims.md, and return the paths."""
-    heading = ("where", "claim", "taken as", "computed", "verdict", "by waves")
+    heading = (
+        "section", "claim of the thesis", "criterion", "result", "verdict", "with wave optics",
+    )  # fmt: skip
     rows = [
         (
             claim.where, claim.text, claim.reading, claim.computed, f"**{claim.verdict}**",
@@ -181,12 +186,12 @@ def _entry(claim: Claim) -> dict[str, Any]:
 def _write_captures(found: Sequence[Capture], folder: Path) -> list[Path]:
     """Write the captures as waves.json and waves.md, and return the paths."""
     heading = (
-        "bead, light", "at rest to 20 nm after", "overshoot", "rests beyond the focus by",
-        "stiffness across", "stiffness along",
+        "bead, theory", "settling time to 20 nm", "overshoot", "equilibrium beyond the focus",
+        "lateral stiffness", "axial stiffness",
     )  # fmt: skip
     rows = [
         (
-            f"{each.bead[:-2]} nm, {each.theory}", number(each.arrival, "ms", ".1f"),
+            f"{each.bead[:-2]} nm, {_THEORIES[each.theory]}", number(each.arrival, "ms", ".1f"),
             number(each.overshoot, "um", ".2g"), number(each.rest, "um", ".3f"),
             number(each.stiffness_across, "pN/um", ".0f"),
             number(each.stiffness_along, "pN/um", ".0f"),
@@ -203,12 +208,12 @@ def _write_remembered(found: Sequence[Remembered], folder: Path) -> list[Path]:
         for scaled in entry["scaled"]:
             del scaled["time"], scaled["q2"]
     heading = (
-        "bead, light", "off without it by up to", "within a radius after", "overshoot",
-        *(f"printed a2, inertia of {reading}" for reading in READINGS),
+        "bead, theory", "largest effect on the position", "time to reach one radius",
+        "overshoot", *(f"printed a2: {reading}" for reading in READINGS),
     )  # fmt: skip
     rows = [
         (
-            f"{each.bead[:-2]} nm, {each.theory}", number(each.off, "um", ".2f"),
+            f"{each.bead[:-2]} nm, {_THEORIES[each.theory]}", number(each.off, "um", ".2f"),
             " → ".join(f"{per('ms') * time:.2f}" for time in each.within) + " ms",
             " → ".join(_nanometres(length) for length in each.overshoot) + " nm",
             *(_fate(scaled) for scaled in each.scaled),

@@ -178,7 +178,7 @@ def _dataset(
         return np.array([row.get(name, like) for row in rows]).reshape(-1, *np.shape(like))
 
     vector = {
-        "equilibrium": ("m", "stable equilibrium nearest the focus, measured from it"),
+        "equilibrium": ("m", "equilibrium relative to the focus"),
         "stiffness": ("N/m", "stiffness at the equilibrium"),
         "drag": ("kg/s", "drag at the equilibrium"),
         "corner_frequency": ("Hz", "corner frequency at the equilibrium"),

@@ -23,7 +23,7 @@ STABLE = 10.0
 _RAYS = 0.02
 
 EQUILIBRIUM = Quantity(
-    "equilibrium", "m", "stable equilibrium nearest the focus, measured from it", "axis",
+    "equilibrium", "m", "equilibrium relative to the focus", "axis",
     compared=True,
 )  # fmt: skip
 STIFFNESS = Quantity("stiffness", "N/m", "stiffness at the equilibrium", "axis", compared=True)
