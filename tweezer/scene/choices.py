@@ -148,12 +148,12 @@ _OPTICS = "tweezer.optics"
 _BODIES = f"{_OPTICS}.bodies.shapes"
 
 MODELS: dict[str, Model] = _by_name(
-    Model("full", "(A.25)", "full", inertia=True),
-    Model("scaled", "(4.17), inertia divided by the scaling factor", "scaled", inertia=True),
-    Model("overdamped", "(5.2)", "overdamped", rotating="rotation"),
+    Model("full", "all inertia (A.25)", "full", inertia=True),
+    Model("scaled", "inertia divided by the scaling factor (4.17)", "scaled", inertia=True),
+    Model("overdamped", "no inertia (5.2)", "overdamped", rotating="rotation"),
     Model(
         "first-order",
-        "the expansion (4.11) carried to order epsilon",
+        "the expansion (4.11) to first order in epsilon",
         "first_order",
         scheme=f"{_SCHEMES}.first_order:FIRST_ORDER",
     ),
@@ -162,7 +162,7 @@ MODELS: dict[str, Model] = _by_name(
 METHODS: dict[str, Method] = _by_name(
     Method("dormand-prince", "the thesis's ode45", f"{_METHODS}.dormand_prince:DORMAND_PRINCE"),
     Method("dop853", "for tight tolerances", f"{_METHODS}.dop853:DOP853"),
-    Method("exponential", "collocation that takes the drag exactly; what auto takes for spheres",
+    Method("exponential", "collocation with exact drag; the choice of auto for spheres",
            f"{_METHODS}.exponential:EXPONENTIAL",
            memory=True, exact_drag=True),
     *(
@@ -173,41 +173,42 @@ METHODS: dict[str, Method] = _by_name(
             ("BDF", True, True), ("LSODA", True, True),
         )
     ),
-    Method("heun", "exponential Heun, what auto takes", f"{_SCHEMES}.heun:HEUN", thermal=True,
+    Method("heun", "exponential Heun; the choice of auto", f"{_SCHEMES}.heun:HEUN", thermal=True,
            models=("full", "scaled", "overdamped", "first-order"), uniform_drag=True, memory=True,
            beside_wall={"overdamped": f"{_SCHEMES}.wall:HEUN",
                         "full": f"{_SCHEMES}.wall_with_inertia:HEUN"}),
-    Method("one-call", "one force a step, for distributions", f"{_SCHEMES}.one_call:ONE_CALL",
+    Method("one-call", "one force evaluation per step, for distributions",
+           f"{_SCHEMES}.one_call:ONE_CALL",
            thermal=True, displacements=False, uniform_drag=True, memory=True,
            beside_wall={"overdamped": f"{_SCHEMES}.wall:ONE_CALL"}),
-    Method("harmonic", "the exact motion in the trap's spring", f"{_SCHEMES}.euler:HARMONIC",
+    Method("harmonic", "exact motion in a harmonic trap", f"{_SCHEMES}.euler:HARMONIC",
            thermal=True, spring_only=True, uniform_drag=True, memory=True),
-    Method("euler-maruyama", "for comparison; without inertia for a drag by place",
+    Method("euler-maruyama", "for comparison; beside a wall only without inertia",
            f"{_SCHEMES}.euler:EULER_MARUYAMA", thermal=True),
     Method("baoab", "for comparison", f"{_SCHEMES}.baoab:BAOAB", thermal=True,
            models=("full", "scaled"), uniform_drag=True),
 )  # fmt: skip
 
 INERTIAS: dict[str, Inertia] = _by_name(
-    Inertia("none", "Stokes's drag alone, as the thesis"),
-    Inertia("added-mass", "half the mass of the displaced fluid moves with the bead"),
-    Inertia("memory", "that and the vorticity shed before (Boussinesq, Basset)"),
+    Inertia("none", "Stokes drag only, as in the thesis"),
+    Inertia("added-mass", "half the mass of the displaced fluid is added to the bead"),
+    Inertia("memory", "added mass and Basset force"),
 )
 
 THEORIES: dict[str, Theory] = _by_name(
     Theory("rays", "ray optics, as in the thesis (chapter 3)", f"{_OPTICS}.rays.by_map:ray_map"),
-    Theory("waves", "focused plane waves scattered by a sphere (Debye, Mie), exact at any size",
+    Theory("waves", "plane waves scattered by a sphere (Debye, Mie), exact for any size",
            f"{_OPTICS}.waves.by_map:wave_map"),
 )  # fmt: skip
 
 EVALUATORS: dict[str, Evaluator] = _by_name(
-    Evaluator("grid", "the thesis's sum over squares of the pupil (3.26), of rays alone",
+    Evaluator("grid", "sum over squares of the pupil (3.26), as in the thesis; requires ray optics",
               {"rays": f"{_OPTICS}.rays.by_grid:by_grid"}, mapped=True),
-    Evaluator("quadrature", "the integral over the lens, to `tolerance`; what auto takes",
+    Evaluator("quadrature", "integral over the pupil to `tolerance`; the choice of auto",
               {"rays": f"{_OPTICS}.rays.by_quadrature:by_quadrature",
                "waves": f"{_OPTICS}.waves.by_quadrature:by_quadrature",
                "bodies": f"{_OPTICS}.bodies.by_sums:by_sums"}, mapped=True),
-    Evaluator("map", "a table of it, to `table_tolerance`",
+    Evaluator("map", "force map with an error below `table_tolerance`",
               {"rays": f"{_OPTICS}.rays.by_map:by_map", "waves": f"{_OPTICS}.waves.by_map:by_map"},
               symmetric=("rays",), mapped=True),
 )  # fmt: skip

@@ -125,20 +125,22 @@ class Motion(_Course):
 
     kind: Literal["sine", "ramp", "steps", "table"] = Field(
         description="sine: amplitude sin(2 pi frequency t + phase); ramp: at `velocity` from "
-        "`begin` to `end`; steps: at once to each of `positions` at its time, before the first at "
-        "0; table: straight from one of `positions` to the next, also from a CSV `file`"
+        "`begin` to `end`; steps: a jump to each of `positions` at its time, from 0 before the "
+        "first; table: linear interpolation between `positions`, also from a CSV `file`"
     )
-    amplitude: Vector | None = Field(None, description="of the sine")
-    frequency: Frequency | None = Field(None, description="of the sine")
-    phase: Angle | None = Field(None, description="of the sine; 0 if not given")
-    velocity: Velocity | None = Field(None, description="of the ramp")
-    begin: Time | None = Field(None, description="of the ramp; 0 if not given")
-    end: Time | None = Field(None, description="of the ramp; never if not given")
-    times: Times | None = Field(None, description="of steps and of a table, ascending")
-    positions: Places | None = Field(None, description="at these times, from the beam's position")
+    amplitude: Vector | None = Field(None, description="amplitude of a sine")
+    frequency: Frequency | None = Field(None, description="frequency of a sine")
+    phase: Angle | None = Field(None, description="phase of a sine. Default: 0")
+    velocity: Velocity | None = Field(None, description="velocity of a ramp")
+    begin: Time | None = Field(None, description="time at which a ramp begins. Default: 0")
+    end: Time | None = Field(None, description="time at which a ramp ends. Default: never")
+    times: Times | None = Field(None, description="ascending times of steps or a table")
+    positions: Places | None = Field(
+        None, description="displacements from the beam's position at these times"
+    )
     period: PositiveTime | None = Field(
         None,
-        description="of steps and of a table, which repeat after it; without it they do not repeat",
+        description="period after which steps or a table repeat. Default: no repetition",
     )
 
     @property
@@ -153,24 +155,26 @@ class Modulation(_Course):
 
     kind: Literal["sine", "ramp", "steps", "on-off", "table"] = Field(
         description="sine: 1 + depth sin(2 pi frequency t + phase); ramp: from 1 at `begin` to "
-        "`factor` at `end`; steps: at once to each of `factors` at its time, before the first 1; "
-        "on-off: on for the part `duty` of each period, then off; table: straight from one of "
-        "`factors` to the next, also from a CSV `file`"
+        "`factor` at `end`; steps: a jump to each of `factors` at its time, from 1 before the "
+        "first; on-off: on for the fraction `duty` of each period, then off; table: linear "
+        "interpolation between `factors`, also from a CSV `file`"
     )
-    depth: Annotated[float, Quantity("", 0, 1)] | None = Field(None, description="of the sine")
-    frequency: Frequency | None = Field(None, description="of the sine, and of on and off")
-    phase: Angle | None = Field(None, description="of the sine; 0 if not given")
-    factor: Factor | None = Field(None, description="at the end of the ramp")
-    begin: Time | None = Field(None, description="of the ramp; 0 if not given")
-    end: Time | None = Field(None, description="of the ramp")
+    depth: Annotated[float, Quantity("", 0, 1)] | None = Field(
+        None, description="modulation depth of a sine"
+    )
+    frequency: Frequency | None = Field(None, description="frequency of a sine or of on-off")
+    phase: Angle | None = Field(None, description="phase of a sine. Default: 0")
+    factor: Factor | None = Field(None, description="factor at the end of a ramp")
+    begin: Time | None = Field(None, description="time at which a ramp begins. Default: 0")
+    end: Time | None = Field(None, description="time at which a ramp ends")
     duty: Annotated[float, Quantity("", 1e-6, 1)] | None = Field(
-        None, description="part of a period that the light is on; 0.5 if not given"
+        None, description="fraction of a period with light. Default: 0.5"
     )
-    times: Times | None = Field(None, description="of steps and of a table, ascending")
-    factors: Factors | None = Field(None, description="at these times")
+    times: Times | None = Field(None, description="ascending times of steps or a table")
+    factors: Factors | None = Field(None, description="factors of the power at these times")
     period: PositiveTime | None = Field(
         None,
-        description="of steps and of a table, which repeat after it; without it they do not repeat",
+        description="period after which steps or a table repeat. Default: no repetition",
     )
 
 

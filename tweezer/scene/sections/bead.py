@@ -52,10 +52,12 @@ class Layer(Round):
 
     radius: BeadRadius = Field(description="outer radius")
     material: MaterialName | None = Field(
-        None, description="gives the refractive index at the beam's wavelength, as of the bead"
+        None,
+        description="material of the layer, which sets its refractive index at the wavelength of "
+        "the beam",
     )
     refractive_index: ComplexIndex = Field(
-        description="refractive index, as of the bead; not needed with a `material`"
+        description="refractive index, real or complex; not needed with a `material`"
     )
 
     @model_validator(mode="before")
@@ -85,27 +87,27 @@ class Bead(Round):
     )
     layers: Layers | None = Field(
         None,
-        description="spheres about one centre, from the core outwards: a coated bead, a hollow one",
+        description="concentric layers from the core outwards, for coated or hollow beads",
     )
     radius: BeadRadius = Field(
-        None, validate_default=True, description="radius r; of layers the outermost"
+        None, validate_default=True, description="radius r; with layers that of the outermost"
     )
     material: MaterialName | None = Field(
         None,
-        description="what it is made of: gives density and refractive index (at the beam's "
-        "wavelength) where the scene has no numbers of its own",
+        description="material of the bead; sets the density and the refractive index at the "
+        "wavelength of the beam, unless the scene gives them",
     )
     density: Density = Field(
-        description="density of the whole bead, rho_b (Table B.1); not needed with a `material`, "
-        "nor with layers that all have one"
+        description="mean density of the bead, rho_b (Table B.1); not needed with a `material`, or "
+        "if every layer has one"
     )
     refractive_index: ComplexIndex | None = Field(
         None,
-        description="refractive index n_P; of a bead that absorbs, or a metal, complex: "
+        description="refractive index n_P; complex for metals and absorbing beads, e.g. "
         '"1.59+0.01j" or [1.59, 0.01]; not needed with a `material`',
     )
     moments_of_inertia: Moments | None = Field(
-        None, description="principal moments I11, I22, I33 of a bead that is not uniform (A.13)"
+        None, description="principal moments of inertia I11, I22, I33 of a non-uniform bead (A.13)"
     )
 
     @model_validator(mode="before")
@@ -230,8 +232,8 @@ class Medium(Filled):
 
     name: Literal["water"] | None = Field(
         None,
-        description="water: refractive index (at the beam's wavelength), density and viscosity are "
-        "those of water at the temperature, where the scene has no numbers of its own",
+        description="name of the fluid; water sets refractive index (at the wavelength of the "
+        "beam), density and viscosity at the temperature, unless the scene gives them",
     )
     refractive_index: RefractiveIndex = Field(
         description="refractive index n_m; not needed with a `name`"
@@ -244,13 +246,13 @@ class Medium(Filled):
     )
     inertia: InertiaName | None = Field(
         None,
-        description="what of the fluid's inertia the bead feels; none given: memory with the model "
-        f"full, where the method takes it; {told(INERTIAS.values())}",
+        description=f"fluid inertia that acts on the bead; {told(INERTIAS.values())}. Default: "
+        "memory for the model full if the method supports it, otherwise none",
     )
     poles: Annotated[StrictInt, Field(ge=1, le=100)] | None = Field(
         None,
-        description="number of poles of the memory; none given: what the duration and the "
-        "tolerance need",
+        description="number of poles of the hydrodynamic memory. Default: determined by the "
+        "duration and the tolerance",
     )
 
     @model_validator(mode="after")
@@ -268,16 +270,16 @@ class Wall(Filled):
     """A plane across the light that ends the fluid, on one side of the bead; none if not given."""
 
     position: WallPosition = Field(
-        description="z of the plane, along the light from the focus; with lens.cover it is the "
-        "face of the cover and need not be given"
+        description="height z of the plane relative to the focus; not needed with lens.cover, "
+        "whose face is then the wall"
     )
     side: Literal["above", "below"] = Field(
-        "above", description="where the bead is: above, at larger z than the plane, or below"
+        "above", description="side of the plane on which the bead is; above means larger z"
     )
     opposite: WallPosition | None = Field(
         None,
-        description="z of a second plane, on the other side of the bead. Friction by two planes is "
-        "that of each added up (Oseen)",
+        description="height z of a second plane on the other side of the bead. The added drag of "
+        "the planes is summed (Oseen)",
     )
 
     @property

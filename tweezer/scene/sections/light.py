@@ -58,11 +58,12 @@ class Cover(Section):
     """A plane face between another medium, such as cover glass, and the medium of the bead."""
 
     refractive_index: RefractiveIndex = Field(
-        description="refractive index of the medium before the face, where the light comes from"
+        description="refractive index of the medium in front of the face, from which the light "
+        "comes"
     )
     depth: Annotated[float, Quantity("m", 0, 1e-2)] = Field(
-        description="distance from the face to the nominal focus, where the light would converge "
-        "without the face"
+        description="distance from the face to the nominal focus, to which the light would "
+        "converge without the face"
     )
 
 
@@ -70,17 +71,19 @@ class Lens(Section):
     """The objective. Rays leave its pupil and pass through the focus."""
 
     map: Literal["tan", "sine"] = Field(
-        description="where a ray from pupil radius rho goes: tan(theta) = rho/f (thesis, 3.2), or "
-        "sin(theta) = (rho/R) NA/n_m, the sine condition of an aplanatic objective; with a cover "
-        "theta and n are those before its face"
+        description="angle theta of a ray from pupil radius rho. tan: tan(theta) = rho/f (thesis, "
+        "3.2); sine: sin(theta) = (rho/R) NA/n_m, the sine condition of an aplanatic objective. "
+        "With a cover, theta and the index refer to the medium in front of its face"
     )
     radius: PositiveLength = Field(description="radius of the pupil, R_obj")
-    focal_length: PositiveLength | None = Field(None, description="f; needed by the tan map")
+    focal_length: PositiveLength | None = Field(
+        None, description="focal length f; required by the tan map"
+    )
     numerical_aperture: Annotated[float, Quantity("", 1e-3, 10)] | None = Field(
-        None, description="NA; needed by the sine map"
+        None, description="numerical aperture NA; required by the sine map"
     )
     cover: Cover | None = Field(
-        None, description="a plane face before the focus, for light as waves; none if not given"
+        None, description="plane face in front of the focus; requires wave optics. Default: none"
     )
 
     @model_validator(mode="after")
@@ -101,66 +104,68 @@ class Beam(Section):
         None, description="total power P_t before the pupil cuts the beam (3.4)"
     )
     power_through_pupil: Power | None = Field(
-        None, description="power that passes the pupil, in place of `power`"
+        None, description="power through the pupil; replaces `power`"
     )
     profile: Literal["gaussian", "uniform", "donut", "table"] = Field(
         "gaussian",
         description="intensity over the pupil radius rho. gaussian: exp(-rho^2/(2 sigma^2)) (3.3); "
-        "uniform: the same all over the pupil, and no light beside it; donut: TEM*01, "
-        "rho^2 exp(-rho^2/(2 sigma^2)), as waves with a vortex, or radially or azimuthally "
-        "polarised; table: through the points of profile_radius and profile_intensity",
+        "uniform: constant within the pupil, with no light outside; donut: TEM*01, rho^2 "
+        "exp(-rho^2/(2 sigma^2)), which in wave optics requires a vortex, or radial or azimuthal "
+        "polarisation; table: interpolated between the points of profile_radius and "
+        "profile_intensity",
     )
     sigma: BeamSigma | None = Field(
         None,
         description="standard deviation of the Gaussian intensity in the pupil (3.3), half the "
-        "waist; of the donut, the same of its Gaussian factor",
+        "waist; for the donut that of its Gaussian factor",
     )
     profile_radius: ProfileRadii | None = Field(
-        None, description="rho of the points of a table, from 0 up; dark beyond the last"
+        None, description="radii rho of a table, ascending from 0; no light beyond the last"
     )
     profile_intensity: Intensities | None = Field(
-        None, description="intensity at the points of a table, in any unit"
+        None, description="intensities at these radii, in any unit"
     )
     polarisation: Literal[
         "averaged-reflectance", "circular", "unpolarised", "linear", "radial", "azimuthal"
     ] = Field(
         "circular",
-        description="circular: of helicity +1, (1, i) in the pupil; unpolarised; linear: as "
-        "`jones` says; radial, azimuthal: along rho or around the axis, for light as waves; "
-        "averaged-reflectance: the thesis's (3.17), R averaged, for rays. To rays circular and "
-        "unpolarised light are alike: Q averaged over s and p",
+        description="circular: helicity +1, (1, i) in the pupil; unpolarised; linear: given by "
+        "`jones`; radial, azimuthal: along rho or around the axis, requires wave optics; "
+        "averaged-reflectance: equation (3.17) of the thesis, with R averaged, requires ray "
+        "optics. In ray optics, circular and unpolarised are the same: Q is averaged over s and p",
     )
     vortex: Annotated[StrictInt, Field(ge=-50, le=50)] = Field(
         0,
-        description="l of the phase l phi around the axis, for light as waves. A gaussian profile "
-        "is then Laguerre-Gauss with p = 0, rho^(2|l|) exp(-rho^2/(2 sigma^2)); of other profiles "
-        "the intensity stays as it is",
+        description="charge l of an optical vortex, phase l phi around the axis; requires wave "
+        "optics. A gaussian profile becomes Laguerre-Gauss with p = 0, "
+        "rho^(2|l|) exp(-rho^2/(2 sigma^2)); other profiles keep their intensity",
     )
     jones: Jones | None = Field(
         None,
-        description="Jones vector of linear light in the pupil, amplitudes along x and y, at "
-        'length 1: each a number, text such as "0.5+0.5j", or [real, imaginary]; along x if not '
-        "given. Complex amplitudes make the light elliptical: (1, -1j) is circular of helicity -1",
+        description="Jones vector of linear light in the pupil: amplitudes along x and y, each a "
+        'number, text such as "0.5+0.5j", or [real, imaginary], scaled to length 1. Complex '
+        "amplitudes give elliptical light; (1, -1j) is circular with helicity -1. Default: along x",
     )
     torque: Literal["none", "thesis"] = Field(
         "none",
-        description="none: light turns no lossless isotropic sphere, and as waves one that absorbs "
-        "as it must; thesis: (3.25), each force applied where the ray enters",
+        description="none: no torque on a lossless sphere, and in wave optics the absorption "
+        "torque on an absorbing one; thesis: equation (3.25), with each force applied where the "
+        "ray enters the bead",
     )
     divisions: Annotated[StrictInt, Field(ge=3, le=5000)] = Field(
-        100, description="n_div, squares across the pupil (3.1)"
+        100, description="number of squares across the pupil, n_div (3.1)"
     )
     position: Vector = Field(
-        (0.0, 0.0, 0.0), description="where the beam's focus is, from the origin of the scene"
+        (0.0, 0.0, 0.0), description="position of the focus relative to the origin of the scene"
     )
     direction: Literal["up", "down"] = Field(
         "up",
-        description="up: the light goes along +z; down: it comes through a second lens from above, "
-        "along -z, turned by 180 degrees about x",
+        description="up: the light travels along +z; down: it travels along -z from a second lens "
+        "above, rotated by 180 degrees about x",
     )
-    motion: Motion | None = Field(None, description="how the focus moves; at rest if not given")
+    motion: Motion | None = Field(None, description="motion of the focus. Default: none")
     modulation: Modulation | None = Field(
-        None, description="how the power changes; not at all if not given"
+        None, description="modulation of the power. Default: none"
     )
 
     @model_validator(mode="before")
@@ -232,18 +237,18 @@ class Optics(Section):
 
     theory: TheoryName = Field(
         "auto",
-        description="auto: waves, where the scene has a meaning as waves and the bead is at most "
-        "about 30 um across, or else rays; " + told(THEORIES.values()),
+        description="auto: waves, if wave optics supports the scene and the bead diameter is at "
+        "most about 30 um, otherwise rays; " + told(THEORIES.values()),
     )
     evaluator: EvaluatorName = Field("auto", description=told(EVALUATORS.values()))
     tolerance: Annotated[float, Quantity("", 1e-13, 0.1)] = Field(
         1e-8, description="relative tolerance of the quadrature"
     )
     table_tolerance: Annotated[float, Quantity("", 1e-12, 0.1)] = Field(
-        1e-7, description="tolerance of the map, as a part of the largest force"
+        1e-7, description="tolerance of the force map relative to the largest force"
     )
     table_range: RadiiOrLength = Field(
         3.0,
-        description="how far the map reaches from the focus: a number of radii of the bead, or a "
-        'length such as "5 um"',
+        description="range of the force map from the focus: a number of bead radii, or a length "
+        'such as "5 um"',
     )

@@ -64,25 +64,28 @@ class Start(Section):
     """Release of the bead: position, orientation and velocities, given or drawn at random."""
 
     frame: Literal["focus", "lens"] = Field(
-        "focus", description="origin of `position`: the focus, or the lens as in Table 5.1"
+        "focus",
+        description="origin of `position`: the focus, or the lens as in Table 5.1 of the thesis",
     )
-    position: Vector = Field(description="centre of the bead, z along the light")
+    position: Vector = Field(description="centre of the bead, with z along the light")
     drawn: Literal["no", "equilibrium", "ball", "boltzmann"] = Field(
         "no",
-        description="no: where `position` says, as `velocity` says; with thermal motion also "
+        description="no: released at `position` with `velocity`. With thermal motion also "
         "equilibrium: at the stable equilibrium nearest the focus; ball: uniformly within "
-        "`ball_radius` of `position`; boltzmann: about the equilibrium, as in a harmonic trap of "
-        "its stiffness, velocities thermal, `orientation` as it says",
+        "`ball_radius` of `position`; boltzmann: normally distributed about the equilibrium with "
+        "the trap stiffness, with thermal velocities and the given `orientation`",
     )
-    ball_radius: PositiveLength | None = Field(None, description="radius of the ball")
-    velocity: Velocity = Field((0.0, 0.0, 0.0), description="velocity")
+    ball_radius: PositiveLength | None = Field(
+        None, description="radius of the ball from which the release is drawn"
+    )
+    velocity: Velocity = Field((0.0, 0.0, 0.0), description="velocity at the release")
     orientation: Orientation = Field(
         (1.0, 0.0, 0.0, 0.0),
-        description="Euler parameters e0..e3 of any length but 0, scalar first, from the body to "
-        "the laboratory; or the direction of the body's z axis, 3 numbers",
+        description="Euler parameters e0 to e3, not all 0, scalar first, from the body to the "
+        "laboratory; or the direction of the z axis of the body, 3 numbers",
     )
     angular_velocity: AngularVelocity = Field(
-        (0.0, 0.0, 0.0), description="angular velocity, body frame"
+        (0.0, 0.0, 0.0), description="angular velocity at the release, in the body frame"
     )
 
     @model_validator(mode="after")
@@ -106,45 +109,48 @@ class Dlvo(Section):
     """Force between bead and wall across an electrolyte: B exp(-gap/l_D) - A_H r/(6 gap)."""
 
     strength: Energy = Field(
-        description="B of the repulsion of the double layers, of sphere and plane"
+        description="strength B of the double-layer repulsion between sphere and plane"
     )
     debye_length: PositiveLength = Field(description="Debye length l_D")
     hamaker_constant: Energy = Field(
-        0.0, description="A_H of the attraction of van der Waals, without its retardation"
+        0.0, description="Hamaker constant A_H of the van der Waals attraction, without retardation"
     )
 
 
 class Forces(Section):
     """Forces that act on the bead, in addition to drag."""
 
-    optical: StrictBool = Field(True, description="the light (3.26)")
+    optical: StrictBool = Field(True, description="optical force (3.26)")
     gravity: StrictBool = Field(True, description="gravity (2.11)")
     buoyancy: StrictBool = Field(True, description="buoyancy (2.12)")
     brownian: StrictBool = Field(False, description="thermal motion (2.16, 2.18-2.20)")
     brownian_torque: StrictBool = Field(
-        False, description="thermal rotation as well (2.17): the orientation is followed"
+        False, description="thermal rotation (2.17), which adds the orientation to the state"
     )
     gravitational_acceleration: Acceleration = Field(
-        9.80665, description="g, against the light; negative for light that shines downwards"
+        9.80665,
+        description="gravitational acceleration g along -z; negative for light that travels "
+        "downwards",
     )
     dlvo: Dlvo | None = Field(
         None,
-        description="force between the bead and the wall (Derjaguin, Landau, Verwey, Overbeek)",
+        description="force between bead and wall (Derjaguin, Landau, Verwey, Overbeek). Default: "
+        "none",
     )
 
 
 class Camera(Section):
     """A camera that records the bead: positions averaged over an exposure, and noise."""
 
-    rate: Frequency = Field(description="frames a second; frame j is exposed from j/rate on")
+    rate: Frequency = Field(description="frame rate; the exposure of frame j begins at j/rate")
     exposure: Annotated[float, Quantity("s", 0, 1e6)] = Field(
-        0.0, description="time over which a frame averages the position, at most 1/rate"
+        0.0, description="exposure time, over which a frame averages the position; at most 1/rate"
     )
     noise: Annotated[float, Quantity("m", 0, 1e-3)] = Field(
-        0.0, description="standard deviation of the white noise of x, and of y, in a frame"
+        0.0, description="standard deviation of the white noise of x and y in a frame"
     )
     noise_along: Annotated[float, Quantity("m", 0, 1e-3)] | None = Field(
-        None, description="the same of z, along the light; z is not seen if not given"
+        None, description="standard deviation of the noise of z. Default: z is not recorded"
     )
 
     @model_validator(mode="after")
@@ -175,47 +181,49 @@ class Simulation(Section):
 
     model: ModelName | None = Field(
         None,
-        description="none: the cheapest whose error is below the tolerance; "
-        + told(MODELS.values()),
+        description=f"equations of motion; {told(MODELS.values())}. Default: the fastest model "
+        "whose error is below the tolerance",
     )
     scaling_factor: Annotated[float, Quantity("", 1e-12, 1)] | None = Field(
-        None, description="a2 of the scaled model (4.12)"
+        None, description="scaling factor a2 of the scaled model (4.12)"
     )
     rotation_state: Literal["angular-velocity", "euler-rates"] = Field(
         "angular-velocity",
-        description="what a rotating bead carries beside e: omega, or e' as the thesis (A.25)",
+        description="state of the rotation in addition to e: omega, or e' as in the thesis (A.25)",
     )
     method: MethodName = Field(
         "auto",
-        description=f"auto: by stiffness and tolerance; {told(methods(thermal=False))}. With "
-        f"thermal motion: {told(methods(thermal=True))}",
+        description="integration method; auto: chosen by stiffness and tolerance; "
+        f"{told(methods(thermal=False))}. With thermal motion: {told(methods(thermal=True))}",
     )
     step: PositiveTime | None = Field(
         None,
-        description="fixed steps of a compiled method, instead of steps by the tolerances; with "
-        "thermal motion the longest step, instead of one by the scene's time scales",
+        description="fixed step of a compiled method, instead of adaptive steps; with thermal "
+        "motion the largest step, instead of one from the time scales of the scene",
     )
     relative_tolerance: Annotated[float, Quantity("", 1e-13, 0.1)] = Field(
         1e-7, description="relative tolerance of a step"
     )
     position_tolerance: PositiveLength = Field(
         1e-11,
-        description="absolute tolerance of a step in position; of exponential where the bead is "
-        "fastest, and down to a hundredth where it is slower; in velocity, this per ms, where the "
-        "method controls velocities: exponential does not",
+        description="absolute tolerance of a step in position; the method exponential uses it "
+        "where the bead is fastest, and down to a hundredth of it elsewhere. Methods that control "
+        "velocities, which exponential does not, use this value per ms for them",
     )
     orientation_tolerance: Annotated[float, Quantity("", 1e-16, 1)] = Field(
-        1e-8, description="absolute tolerance in Euler parameters; in rotation rates, this per ms"
+        1e-8,
+        description="absolute tolerance in the Euler parameters; rotation rates use this value "
+        "per ms",
     )
-    duration: PositiveTime = Field(description="time simulated")
+    duration: PositiveTime = Field(description="simulated time")
     samples: Annotated[StrictInt, Field(ge=2, le=MOST_SAMPLES)] = Field(
-        2001, description="evenly spaced times in the output, both ends included"
+        2001, description="number of evenly spaced times in the output, including both ends"
     )
     most_force_calls: Annotated[StrictInt, Field(ge=100, le=10**12)] = Field(
-        10**8, description="places at which a run may evaluate the force before it gives up"
+        10**8, description="largest number of force evaluations, after which the run fails"
     )
     loss_distance: LossDistance = Field(
-        20e-6, description="the run ends as lost this far from the focus"
+        20e-6, description="distance from the focus at which the run ends as lost"
     )
 
     @model_validator(mode="after")
