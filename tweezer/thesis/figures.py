@@ -358,9 +358,9 @@ def study_figure(study: Study) -> Figure:
     low, high = study.kept_interval
     style.add_title(
         drawn,
-        "The thesis's 500 nm bead in the scaled model; solid: trapped and ringing, or as printed",
-        f"With thermal motion and the printed values, {study.kept} of {study.released} beads stay "
-        f"({100 * low:.0f} % to {100 * high:.0f} % with 95 % confidence)",
+        "500 nm bead in the scaled model of the thesis; solid: trapped and ringing, or as printed",
+        f"Thermal motion, values as printed: {study.kept} of {study.released} beads stay "
+        f"(95 % confidence: {100 * low:.0f} % to {100 * high:.0f} %)",
     )
     return drawn
 
