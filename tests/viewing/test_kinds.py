@@ -69,8 +69,8 @@ def test_too_many_positions_are_thinned_and_it_is_said(cloud, monkeypatch):
     assert content.arrays["time"].values() == pytest.approx(cloud["time"].values[kept])
     mean = np.nanmean(cloud["position"].values[:, kept], axis=0)
     assert content.arrays["mean"].values() == pytest.approx(mean, rel=1e-5, abs=1e-13)
-    assert f"Of {cloud.sizes['trajectory']} beads the page draws {drawn}" in " ".join(content.notes)
-    assert "Of 12 times the page has one in 2, and the last" in " ".join(content.notes)
+    assert f"draws {drawn} of {cloud.sizes['trajectory']} beads" in " ".join(content.notes)
+    assert "one in 2 of 12 times, and the last" in " ".join(content.notes)
 
 
 def test_of_very_many_times_a_bead_is_drawn(monkeypatch):
@@ -91,16 +91,18 @@ def test_at_the_end_is_at_the_end(cloud):
     gone = cloud.copy(deep=True)
     gone["position"][1:, 6:], gone["lost_time"][1:] = np.nan, 1e-3
     rows = {row.name: row for row in of_ensemble.content(gone).summary}
-    row = rows["spread of x over the beads that are left at the end"]
+    row = rows["spread of x of the remaining beads at the end"]
     assert (row.value, row.trusted) == ("not known", False)
     last = 1e6 * float(gone["position"][0, -1, 0])
-    row = rows["mean of x over the beads that are left at the end"]
+    row = rows["mean of x of the remaining beads at the end"]
     assert float(row.value.removesuffix(" µm")) == pytest.approx(last, rel=1e-3)
     assert row.error == "not known"
     gone["position"][0, 6:], gone["lost_time"][0] = np.nan, 1e-3
-    rows = [row for row in of_ensemble.content(gone).summary if "left at the end" in row.name]
+    rows = [
+        row for row in of_ensemble.content(gone).summary if "remaining beads at the end" in row.name
+    ]
     assert len(rows) == 6
-    assert {row.value for row in rows} == {"none left"}
+    assert {row.value for row in rows} == {"no beads remain"}
 
 
 def test_trajectories_that_are_not_computed_are_left_out(cloud):

@@ -104,9 +104,9 @@ def test_a_part_of_a_run_is_told_by_its_samples(turning_run):
     for name in ("at the time", "overshoot past the axis"):
         assert (rows[name].error, rows[name].trusted) == ("not known", False)
     assert not rows["outcome"].trusted
-    assert any("by the samples" in note for note in part.notes)
+    assert any("samples only" in note for note in part.notes)
     whole = tweezer.view(turning_run).content
-    assert not any("by the samples" in note for note in whole.notes)
+    assert not any("samples only" in note for note in whole.notes)
 
 
 @pytest.mark.parametrize(

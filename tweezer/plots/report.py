@@ -40,9 +40,9 @@ _COLUMNS = (0.0, 0.5, 0.73)
 _DRAWN = "Trajectory, density of positions, power spectrum, mean squared displacement, potential"
 #: Explanation of the numbers.
 _READING = (
-    "Uncertainties are standard ones (68 %), of statistics alone: temperature, drag and scale "
-    "count as exact unless they were fitted. p is the probability that the spectrum of a trapped "
-    "bead fits the model as badly, or worse."
+    "Uncertainties are standard uncertainties (68 %) and include statistics only: temperature, "
+    "drag and scale are assumed to be exact unless they were fitted. p is the probability that the "
+    "spectrum of a trapped bead deviates from the model at least as much."
 )
 
 
@@ -115,7 +115,7 @@ def _verdict(axis: AxisCalibration) -> Verdict:
             text = f"{axis.axis}: k = {each.measured.words}, by {each.method}"
             return Verdict(typeset(text), trusted=True)
     reasons = "; ".join(finding.text for finding in axis.findings)
-    text = f"{axis.axis}: no stiffness is to be trusted"
+    text = f"{axis.axis}: no trustworthy stiffness"
     return Verdict(f"{text}: {reasons}" if reasons else text, trusted=False)
 
 

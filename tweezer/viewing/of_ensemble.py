@@ -98,7 +98,7 @@ def _of_trajectories(dataset: xr.Dataset, scene: Scene) -> Content:
         ],
         warning="" if computed.all() else (
             f"This ensemble was stopped early: {np.count_nonzero(~computed)} of its "
-            f"{computed.size} trajectories are not computed, and left out."
+            f"{computed.size} trajectories were not computed and are omitted."
         ),
     )  # fmt: skip
 
@@ -195,8 +195,8 @@ def _of_statistics(dataset: xr.Dataset, scene: Scene) -> Content:
         ],
         notes=[
             *of_changes(scene),
-            "This ensemble has kept statistics and no trajectory: the shells are one and two "
-            "standard deviations about the mean along each axis, over the beads at a time.",
+            "This ensemble contains statistics but no trajectories. The shells show one and two "
+            "standard deviations of the beads about their mean along each axis.",
             *_of_times(dataset.sizes["time"], kept),
             *of_the_picture(scene), f"{computed_by(dataset.attrs)} Seed {dataset.attrs['seed']}.",
         ],
@@ -240,12 +240,12 @@ def _summary(
         ("mean", course.mean, course.mean_error), ("spread", course.spread, course.spread_error),
     ):  # fmt: skip
         for k, axis in enumerate("xyz"):
-            about = f"{name} of {axis} over the beads that are left at the end"
+            about = f"{name} of {axis} of the remaining beads at the end"
             value, error = float(values[-1, k]), float(errors[-1, k])
             rows.append(
                 of_number(about, value, error, "m", in_tables=True)
                 if course.left[-1]
-                else Row(about, "none left")
+                else Row(about, "no beads remain")
             )
     model, method = dataset.attrs["model"], dataset.attrs["method"]
     return [
@@ -286,7 +286,7 @@ def _of_times(times: int, kept: Numbers) -> list[str]:
     if kept.size == times:
         return []
     return [
-        f"Of {times} times the page has one in {kept[1]}, and the last: all would be too large."
+        f"To limit its size, the page contains one in {kept[1]} of {times} times, and the last."
     ]
 
 
@@ -299,8 +299,8 @@ def _of_thinning(times: int, total: int, kept: Numbers, beads: int) -> list[str]
     notes = _of_times(times, kept)
     if beads < total:
         notes.append(
-            f"Of {total} beads the page draws {beads}, evenly chosen. Means, spreads and shares "
-            "are of all of them."
+            f"The page draws {beads} of {total} beads, evenly chosen. Means, spreads and "
+            "percentages include all beads."
         )
     return notes
 
@@ -310,16 +310,16 @@ def _of_the_cloud(near: bool) -> list[str]:
     equilibrium.
     """
     notes = [
-        "Every point is the centre of a bead, at the last sample before the time shown. A bead "
-        "that is lost stays as a ring where it was last seen; means and spreads leave it out.",
-        "The probability density counts the beads left at the time shown in cells of a plane, "
-        "whatever their place across it, over the number of beads left and the area of a cell. Its "
-        "axes are as wide as the cloud at that time, or hold the cloud of all times.",
-        "Beads do not feel each other: each was alone in the light.",
+        "Each point is the centre of a bead at the last sample before the time shown. A lost bead "
+        "remains as a ring at its last position; means and spreads exclude it.",
+        "The probability density is the number of remaining beads in each cell of a plane, "
+        "summed over the direction across the plane, divided by the number of remaining beads and "
+        "the cell area. Its axes span the cloud at that time, or the clouds of all times.",
+        "The beads do not interact: each was simulated alone in the light.",
     ]
     if near:
         notes.append(
             "Near the equilibrium means within one bead radius of the stable equilibrium nearest "
-            "the focus; of light that changes, as it is at the time 0."
+            "the focus. If the light changes, it is the equilibrium at time 0."
         )
     return notes

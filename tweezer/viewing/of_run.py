@@ -111,14 +111,14 @@ def _forces(run: Run, problem: Problem) -> tuple[dict[str, Array], list[str]]:
     if scene.forces.brownian:
         forces["sum"] = net
         return forces, [
-            "The sum of forces is that of all but drag and the random push of the water. With "
-            "thermal motion these two change within the relaxation time of the velocity, far "
-            "shorter than the time between samples, and have no value to draw."
+            "The sum of forces excludes drag and the thermal force of the water. With thermal "
+            "motion these two change within the relaxation time of the velocity, which is far "
+            "shorter than the sampling interval, so they cannot be drawn."
         ]
     if run.attributes["model"] == "overdamped":
         forces |= {"drag": -net, "sum": np.zeros_like(net)}
         return forces, [
-            "This model has no inertia: drag balances all other forces, and the sum is zero."
+            "This model has no inertia. Drag balances all other forces, so the sum is zero."
         ]
     mobility = problem.mobilities(run["position"], run["time"])[:, :3]
     drag = -run["velocity"] / mobility
@@ -129,10 +129,10 @@ def _forces(run: Run, problem: Problem) -> tuple[dict[str, Array], list[str]]:
         error = _error_of_slope(change, run["velocity"], run["time"], bead_properties(scene).mass)
         return forces, [
             "Drag is the steady drag, minus velocity over mobility. The inertia of the fluid is "
-            "the rest of the force of the water: added mass and, with memory, the Basset force. "
-            "The sum is mass times acceleration of the bead. The acceleration comes from "
-            "differences of the velocity between samples. From every second sample, mass times "
-            "acceleration differs "
+            "the remaining force of the water: added mass and, with memory, the Basset force. "
+            "The sum is mass times acceleration of the bead. The acceleration follows from the "
+            "velocity differences between samples. If only every second sample is used, mass times "
+            "acceleration changes "
             f"by at most {si(error, 'N')}."
         ]
     if run.attributes["model"] == "scaled":
@@ -144,7 +144,7 @@ def _forces(run: Run, problem: Problem) -> tuple[dict[str, Array], list[str]]:
         means = "mass times acceleration of the bead, to the first order of its relaxation time"
     else:
         means = "mass times acceleration of the bead"
-    return forces, [f"Drag is the steady one, minus velocity over mobility. The sum is {means}."]
+    return forces, [f"Drag is the steady drag, minus velocity over mobility. The sum is {means}."]
 
 
 def _slope(values: Array, times: Array) -> Array:
@@ -179,7 +179,7 @@ def _energies(
         f"Energies are in units of kT = {1e21 * unit:.4g} zJ, at {scene.medium.temperature:.5g} K."
     ]
     if not close:
-        notes.append("The work of the light is not shown: samples are too far apart to sum it.")
+        notes.append("The work of the light is not shown because the samples are too far apart.")
         return energies, notes
     work = _work(forces["light"], run["position"]) / unit
     halved = _work(forces["light"][::2], run["position"][::2]) / unit
@@ -197,8 +197,8 @@ def _energies(
         moving = 0.5 * bead_properties(scene).mass * (run["velocity"] ** 2).sum(axis=1) / unit
         energies["lost"] = every - (moving - moving[0])
         notes.append(
-            "Given to the water is the work of all forces but drag, less what the bead's kinetic "
-            "energy of translation has gained: heat, and motion of the water."
+            "The energy given to the water is the work of all forces except drag, minus the gain "
+            "of the bead's translational kinetic energy. It becomes heat and motion of the water."
         )
     return energies, notes
 
@@ -216,8 +216,8 @@ def _of_the_summary(summary: Summary) -> list[str]:
     if not summary.by_samples:
         return []
     return [
-        "The summary is by the samples: what happens between them is not seen, and is no part of "
-        "its numbers or their errors."
+        "The summary uses the samples only. Its numbers and errors do not include the motion "
+        "between samples."
     ]
 
 
@@ -228,20 +228,20 @@ def _of_the_path(run: Run, scene: Scene, *, close: bool) -> list[str]:
     """
     times = run["time"]
     if len(times) < 2:
-        return ["The run has one sample alone."]
+        return ["The run has a single sample."]
     apart = si(float(times[1] - times[0]), "s")
     if not close:
         return [
-            f"Samples are {apart} apart, longer than the bead takes to relax in the trap: they are "
-            "drawn as points, and the bead jumps from one to the next. The run does not say what "
-            "way it took."
+            f"The sampling interval, {apart}, exceeds the relaxation time of the trap. The samples "
+            "are drawn as points, and the bead jumps from one to the next, because the path "
+            "between them is unknown."
         ]
     if scene.forces.brownian:
         return [
-            f"Samples are {apart} apart. Between them the page draws straight lines; the way of a "
-            "bead in thermal motion is rougher, and the run does not have it."
+            f"The sampling interval is {apart}. The page connects samples by straight lines; the "
+            "actual path of a bead in thermal motion is rougher."
         ]
-    return [f"Samples are {apart} apart. Between them the page draws straight lines."]
+    return [f"The sampling interval is {apart}. The page connects samples by straight lines."]
 
 
 def _origin(run: Run, scene: Scene) -> list[str]:

@@ -148,22 +148,23 @@ def _notes(dataset: xr.Dataset, of: str) -> list[str]:
     """Return the notes on how to read the page; `of`: what was computed, such as "trap"."""
     varied = [size for size in dataset["outcome"].shape if size > 1]
     notes = [
-        "Each cell is one case, and ends in the middle between its neighbours. Hatched cells have "
-        "no number: their outcome says why."
+        "Each cell is one case and extends halfway to its neighbours. Hatched cells have no "
+        "number; the outcome gives the reason."
         if len(varied) > 1
-        else "Each point is one case; the lines between are there to guide the eye. A case without "
-        "a number is a cross: its outcome says why."
+        else "Each point is one case; the lines guide the eye. A cross marks a case without a "
+        "number; the outcome gives the reason."
     ]
     if of == "trap":
         notes.append(
-            "The least over the directions is that of the easiest straight way out. Work on a way "
-            "is no height of a barrier: the force of light has no potential. A trap is shallow if "
-            f"that takes less than {STABLE:g} kT: thermal motion soon takes the bead out of it."
+            "The smallest value over the directions belongs to the easiest straight escape line. "
+            "Escape work is not the height of a barrier, because the force of light has no "
+            f"potential. A trap is shallow if it is less than {STABLE:g} kT: thermal motion soon "
+            "removes the bead."
         )
-        notes.append("A lifetime that is infinite is longer than 10²⁰ s.")
+        notes.append("An infinite lifetime means longer than 10²⁰ s.")
     if of in ("ensemble", "calibrate"):
         notes.append(
-            "Thermal motion has the same random numbers in every case, so that differences of "
-            "neighbours are those of the scenes."
+            "Thermal motion uses the same random numbers in every case, so differences between "
+            "neighbours are due to the scenes."
         )
     return [*notes, computed_by(dataset.attrs)]

@@ -380,31 +380,32 @@ def _notes(trap: Trap, compared: _Compared) -> list[str]:
     largest = si(compared.largest, "N")
     centre = "equilibrium" if trap.equilibrium else "focus"
     notes = [
-        "Shown is the force of light, weight and walls on a bead whose centre is at a place, at "
-        "the time 0. Drag, contact with a wall and thermal motion play no part.",
-        f"The page computes the force from tables by cubic splines. At {_COMPARED} places drawn at "
-        "random the median of its differences from the force computed without tables was "
-        f"{usual}, and the largest was {most}; the largest force of the light there was {largest}. "
-        "Beside each force stands the difference found in the nearest cells of the table.",
-        "The force of light has no potential: the work between two places depends on the way. "
-        "The map of work is that against the force on the straight line from the "
-        f"{centre} to each place, in kT. For the place pointed at, two other ways, along the axes, "
-        "tell how much the way matters.",
-        "Ways out are straight lines from the equilibrium; a square stands where the bead is "
-        "pulled back most, and a bar where the pull ends.",
+        "The page shows the force of light, weight and walls on a bead centred at each position, "
+        "at time 0. It excludes drag, contact with a wall and thermal motion.",
+        f"The page interpolates the force from tables with cubic splines. At {_COMPARED} random "
+        f"positions its median deviation from the force without tables was {usual} and the largest "
+        f"{most}; the largest optical force was {largest}. The deviation in the nearest table "
+        "cells is given with each force.",
+        "The force of light has no potential, so the work between two positions depends on the "
+        "path. The map shows the work against the force along the straight line from the "
+        f"{centre} to each position, in kT. At the pointer, two other paths along the axes show "
+        "how much the path matters.",
+        "Escape lines are straight lines from the equilibrium. A square marks the largest "
+        "restoring force, and a bar marks the position where the restoring force ends.",
     ]
     if trap.scene.theory == "rays" and trap.scene.lit:
         notes.append(
-            "The force of rays changes at once where the focus is at the bead's surface. There the "
-            "tables smooth it, and their differences are largest."
+            "In ray optics the force changes abruptly where the focus is at the bead's surface. "
+            "There the tables smooth it, and their deviations are largest."
         )
     if compared.evaluator > 2 * compared.tables or trap.evaluator == "grid":
         notes.append(
-            f"The scene's evaluator, {trap.evaluator}, has jumps. Drawn is the smooth force that "
-            f"it approximates; at the same places it is up to {si(compared.evaluator, 'N')} off."
+            f"The scene's evaluator, {trap.evaluator}, has jumps. The page draws the smooth force "
+            "that it approximates, from which it deviates at the same positions by up to "
+            f"{si(compared.evaluator, 'N')}."
         )
     if trap.lifetime_caveat:
-        notes.append(f"Of the time for which the bead is held: {trap.lifetime_caveat}.")
+        notes.append(f"Lifetime: {trap.lifetime_caveat}.")
     if trap.reason:
         notes.append(f"{trap.reason[:1].upper()}{trap.reason[1:]}.")
     return notes

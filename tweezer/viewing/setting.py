@@ -51,15 +51,15 @@ _SAME = 1e-12
 def of_the_picture(scene: Scene) -> list[str]:
     """Return the notes on how to read the picture of a scene, and its limitations."""
     turns = (
-        "Its pattern is there to show how it turns."
+        "The pattern on the bead shows its rotation."
         if scene.rotates
-        else "Its pattern does not turn, as nothing turns this bead, or its turning was not "
-        "computed."
+        else "The pattern on the bead does not turn, because no torque acts on it or its rotation "
+        "was not computed."
     )
     notes = [
-        f"Bead and light are to scale. {turns} The light ends at the angle of the outermost rays "
-        "and is drawn with a waist of half the wavelength over the sine of that angle; its shade "
-        "does not show the intensity."
+        f"Bead and light are to scale. {turns} The light is bounded by the outermost rays and "
+        "drawn with a waist of half the wavelength over the sine of their angle. Its shade does "
+        "not represent the intensity."
     ]
     caveats = filter(None, (cone_caveat(scene), ray_optics_caveat(scene)))
     return [*notes, *(f"{caveat[0].upper()}{caveat[1:]}." for caveat in caveats)]
