@@ -10,10 +10,11 @@ from typing import Annotated
 
 import typer
 
-from tweezer.cli.app import FigureFile, JsonFile, app
+from tweezer.cli.app import FigureFile, JsonFile, Quiet, app
 from tweezer.cli.console import (
     ERR,
     FIGURE_FORMATS,
+    begin,
     tell_written,
     writable,
     write_figure,
@@ -43,7 +44,9 @@ def _add_benchmark(name: str, report_name: str, told: str) -> None:
         ] = False,
         out: JsonFile = None,
         plot: FigureFile = None,
+        quiet: Quiet = False,
     ) -> None:
+        begin(quiet=quiet)
         benchmark, report = _benchmark(name), _benchmark(report_name)
         out = out and writable(out, ("json",))
         plot = plot and writable(plot, FIGURE_FORMATS)
@@ -110,7 +113,7 @@ _add_benchmark(
 
 _add_benchmark(
     "hydro", "hydro_report",
-    "Calibration of fast records: bias. Fluid inertia, detectors, a driven stage; pylake.",
+    "Calibration of fast recordings: bias. Fluid inertia, detectors, a driven stage; pylake.",
 )  # fmt: skip
 
 
@@ -150,7 +153,7 @@ _add_benchmark(
 
 _add_benchmark(
     "diagram", "diagram_report",
-    "What is trapped, and for how long. Size against power; minimum powers; ensembles.",
+    "Trapping diagram: depth and lifetime. Size against power; minimum powers; ensembles.",
 )  # fmt: skip
 
 
