@@ -126,6 +126,22 @@ def test_text_of_a_drawing_is_text_with_its_fonts():
     assert b"/Type3" not in paper
 
 
+def test_letters_for_a_figure_skip_colour_bars_and_hidden_panels():
+    figure = style.new(style.PAGE, 3.0)
+    first, hidden, last = figure.subplots(1, 3)
+    figure.colorbar(first.pcolormesh([[0.0, 1.0]]), ax=first)
+    hidden.set_axis_off()
+    style.add_letters(figure)
+    assert [axes.get_title(loc="left") for axes in (first, hidden, last)] == ["a", "", "b"]
+
+
+def test_a_single_panel_has_no_letter():
+    figure = style.new(style.COLUMN, 3.0)
+    axes = figure.subplots()
+    style.add_letters(figure)
+    assert axes.get_title(loc="left") == ""
+
+
 def test_long_titles_stay_within():
     readable.check(drawn())
 
