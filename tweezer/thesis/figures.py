@@ -378,4 +378,4 @@ def _draw_capture(axes: Axes, study: Study) -> None:
     axes.set_xticks(columns, [f"{factor:g}" for factor in study.factors], rotation=45)
     axes.set_yticks(rows, [f"{power:g}" for power in study.powers])
     axes.set(xlabel="a₂", ylabel="power before the pupil (mW)")
-    axes.set_title("x: lost; printed: 3e-05, 156 mW")
+    axes.set_title("x: not captured; printed: 3e-05, 156 mW")
