@@ -122,6 +122,13 @@ def load_trajectories(
     ResultError
         If the table cannot be read, frames are not at even times, or all trajectories are too
         short.
+
+    Examples
+    --------
+    >>> import tweezer.calibration
+    >>> run = tweezer.simulate("silica-1um", "2 ms")
+    >>> len(tweezer.calibration.load_trajectories(run))
+    1
     """
     reading = Reading.of(columns, rate, scale, bead=bead)
     read = read_source(source, reading, Wanted(() if reading.columns else ("x",), volts=True))

@@ -69,6 +69,15 @@ class UserForce(Force):
         to a name that is not defined.
     ValueError
         If an argument is invalid.
+
+    Examples
+    --------
+    >>> from tweezer.forces import UserForce, kernel, number
+    >>> @kernel
+    ... def push(pose, data, wrench):
+    ...     wrench.force[:, 0] += number(data, 0)
+    >>> UserForce(push, ["1 pN"]).steady
+    True
     """
 
     function: Kernel

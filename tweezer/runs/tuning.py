@@ -161,6 +161,12 @@ def tune(
     ------
     SceneError
         For a factor out of range, or a scene with unequal moments of inertia.
+
+    Examples
+    --------
+    >>> tuning = tweezer.tune("thesis-990nm", [1.0, 0.01], duration=1e-4)
+    >>> [entry.scaling_factor for entry in tuning.entries]
+    [1.0, 0.01]
     """
     scene = checked_scene(scene).replace(medium={"inertia": "none", "poles": None})
     if duration is not None:

@@ -271,6 +271,13 @@ def fit_depth(
         For more than one beam, and for the scaled model beside a wall.
     IntegrationError
         If the motion cannot be computed from any initial z.
+
+    Examples
+    --------
+    >>> scene = tweezer.load_scene("silica-1um").replace(forces={"brownian": True})
+    >>> run = tweezer.simulate(scene, "2 ms", seed=1)
+    >>> tweezer.fit_depth(run.isel(time=slice(None, None, 40))).determined
+    True
     """
     track = source if isinstance(source, Track) else load_track(source)
     scene = track.scene if scene is None else checked_scene(scene)

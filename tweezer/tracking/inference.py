@@ -185,6 +185,14 @@ def fit(
         the bead.
     SceneError
         For keys that are not quantities of the scene, and for light that changes in time.
+
+    Examples
+    --------
+    >>> scene = tweezer.load_scene("silica-1um").replace(forces={"brownian": True})
+    >>> scene = scene.replace(start={"drawn": "equilibrium"})
+    >>> run = tweezer.simulate(scene, "0.2 s", seed=1)
+    >>> tweezer.fit(run, free=["bead.diameter"]).keys[0].determined
+    True
     """
     loaded = _loaded(recordings)
     scene = loaded[0].scene if scene is None else checked_scene(scene)
