@@ -75,15 +75,14 @@ class Bead(Round):
     index, and `layers` in place of radius and index.
     """
 
-    shape: ShapeName = Field("sphere", description=told(SHAPES.values()))
+    shape: ShapeName = Field("sphere", description=f"shape of the bead; {told(SHAPES.values())}")
     length: PositiveLength | None = Field(None, description="length of a spheroid along its axis")
     spheres: ClusterSpheres | None = Field(
         None,
-        description="spheres of a rigid cluster; positions of the bead are those of their centre "
-        "of volume",
+        description="spheres of a rigid cluster, whose centre of volume is the bead position",
     )
     file: str | None = Field(
-        None, description="T-matrix of the body in the standard format, a file .tmat.h5"
+        None, description="file .tmat.h5 with the T-matrix of the body in the standard format"
     )
     layers: Layers | None = Field(
         None,
