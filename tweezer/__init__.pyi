@@ -25,7 +25,7 @@ from .scene import Scene, load_scene, shipped_scenes
 from .scene.bead import BeadProperties, bead_properties
 from .sweeps.sweep import sweep
 from .tracking import DepthFit, FittedKey, SceneFit, fit, fit_depth
-from .trap import LeastPower, Lifetime, Trap, characterise, trap_over_heights
+from .trap import BodyTrap, LeastPower, Lifetime, Trap, characterise, trap_over_heights
 from .trap.least_power import least_power
 from .values.errors import (
     IntegrationError,
@@ -41,6 +41,7 @@ from .viewing import view
 
 __all__ = [
     "BeadProperties",
+    "BodyTrap",
     "Calibration",
     "Comparison",
     "DepthFit",

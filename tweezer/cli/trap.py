@@ -101,19 +101,24 @@ def trap(
     bind_light(described)
 
     with showing_progress(described.name):
-        from tweezer.trap import characterise
+        from tweezer.trap import Trap, characterise
 
         characterised = characterise(described, forces=force or [])
-        _ = characterised.lifetime  # computed on first use
+        if isinstance(characterised, Trap):
+            _ = characterised.lifetime  # computed on first use
     print_card(characterised.card())
     if out:
         from tweezer.trap.saved_trap import content_of
 
         write_result(content_of(characterised), out)
     if plot:
-        from tweezer.plots import trap_figure
+        from tweezer.plots import body_trap_figure, trap_figure
 
-        write_figure(trap_figure(described, characterised), plot)
+        if isinstance(characterised, Trap):
+            figure = trap_figure(described, characterised)
+        else:
+            figure = body_trap_figure(described, characterised)
+        write_figure(figure, plot)
     tell_written(out, plot)
 
 

@@ -128,10 +128,15 @@ def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
     scene = scene_with(name, settings_of(changes))
     bind_light(scene)
     if trap:
-        from tweezer.trap import characterise
+        from tweezer.trap import Trap, characterise
         from tweezer.viewing import view as page_of
 
-        return page_of(characterise(scene)), 0
+        characterised = characterise(scene)
+        if not isinstance(characterised, Trap):
+            raise SceneError(
+                f"--trap: bead.shape = {scene.bead.shape!r} has no page; use `tweezer trap --plot`"
+            )
+        return page_of(characterised), 0
 
     from tweezer.dynamics.second_process import compiling_beside
 

@@ -1,3 +1,4 @@
+from .body import body_trap_figure
 from .calibration import calibration_figure, draw_calibration
 from .depth import depth_figure
 from .ensemble import ensemble_figure
@@ -9,6 +10,7 @@ from .trap import trap_figure
 from .tuning import tuning_figure
 
 __all__ = [
+    "body_trap_figure",
     "calibration_figure",
     "depth_figure",
     "draw_calibration",

@@ -127,9 +127,9 @@ class Asked:
 
 def _of_trap(scene: Scene, asked: Asked) -> Values:
     """Characterise the trap of a scene, and return its values."""
-    from tweezer.trap import characterise
+    from tweezer.trap.trap import sphere_trap
 
-    found = characterise(scene, forces=asked.own)
+    found = sphere_trap(scene, asked.own)
     _ = found.lifetime  # computed on first use
     return values_of(found, scene.medium.temperature)
 

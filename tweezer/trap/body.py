@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from tweezer.dynamics.escape import Escape, escapes
 from tweezer.optics import Beams, LightForce, light_force
@@ -66,9 +69,9 @@ class BodyEquilibrium(Comparable):
     @property
     def axis(self) -> Array:
         """Direction of the body's z axis, (3,); the one with z >= 0."""
-        axis = _rotation(np.asarray(self.orientation))[:, 2]
+        axis = _rotation(np.asarray(self.orientation)).as_matrix()[:, 2]
         first = next((each for each in axis[::-1] if abs(each) > 1e-9), 1.0)
-        return axis if first > 0 else -axis
+        return 0.0 + (axis if first > 0 else -axis)
 
     @property
     def coupling(self) -> float:
@@ -105,6 +108,17 @@ class BodyTrap(Comparable, Shown):
     searched: str
     """starts of the search"""
 
+    def content(self) -> dict[str, Any]:
+        """Return the fields except scene and T-matrix as plain values, for a file."""
+        found = {
+            each.name: getattr(self, each.name) for each in dataclasses.fields(self)
+            if each.name not in ("scene", "t_matrix")
+        }  # fmt: skip
+        plain = [dataclasses.asdict(each) for each in self.equilibria]
+        held = self.equilibrium and dataclasses.asdict(self.equilibrium)
+        pulled = [dataclasses.asdict(each) for each in self.escapes]
+        return found | {"equilibria": plain, "equilibrium": held, "escapes": pulled}
+
     def card(self) -> Card:
         """Return the card with equilibrium, stiffness and efficiency, and a table of equilibria."""
         return Card(
@@ -120,11 +134,16 @@ class BodyTrap(Comparable, Shown):
         else:
             yield Row("stable equilibrium", ", ".join(map(micrometres, held.position)) + " um")
             yield Row("axis of the body", _direction(held.axis))
-            k = np.asarray(held.stiffness)
-            yield Row("stiffness (x, y, z)", printed(tuple(np.diag(k)[:3]), "pN/um"))
-            yield Row("against rotation (x, y, z)", printed(tuple(np.diag(k)[3:]), "pN um"))
+            k = np.diag(held.stiffness)
+            turning = np.where(np.abs(k[3:]) > _FREE * np.abs(k[3:]).max(), k[3:], 0.0)
+            yield Row("stiffness (x, y, z)", printed(tuple(k[:3]), "pN/um"))
+            yield Row("against rotation (x, y, z)", printed(tuple(turning), "pN um"))
             yield Row("coupling of both", f"{held.coupling:.3g} of the largest stiffness")
-            values = [complex(*each) for each in held.eigenvalues]
+            largest = np.abs(held.eigenvalues).max()
+            values = [
+                0j if np.abs(each).max() < _FREE * largest else complex(*each)
+                for each in held.eigenvalues
+            ]
             words = ", ".join(_complex_text(1e6 * value) for value in values)
             yield Row("eigenvalues", f"{words} pN/um", detail=True)
             turned = ", ".join(f"{each:.4g}" for each in held.orientation)
@@ -281,9 +300,8 @@ class _Search:
             scale = max(scale, size)
             if damping is None:
                 damping = float(np.abs(k).max())
-            step = np.linalg.solve(k + damping * np.eye(6), force)
-            step *= min(1.0, farthest / max(np.linalg.norm(step[:3]), 1e-300),
-                        _TURN * self.length / max(np.linalg.norm(step[3:]), 1e-300))  # fmt: skip
+            step: Array = np.linalg.solve(k + damping * np.eye(6), force)
+            step *= min(1.0, farthest / _length(step[:3]), _TURN * self.length / _length(step[3:]))
             r, e = r + step[:3], _turned(e, step[3:] / self.length)
             if np.linalg.norm(r) > reach:
                 return None
@@ -347,6 +365,11 @@ class _Search:
         return float(absorbed_of(self.light, position[None], orientation[None], 0.0)[0])
 
 
+def _length(vector: Array) -> float:
+    """Return the length of a vector, at least the smallest number."""
+    return max(float(np.linalg.norm(vector)), 1e-300)
+
+
 def _scaled(stiffness: Array, length: float) -> Array:
     """Return a stiffness matrix with angles times a length, N/m."""
     over = np.array([1.0, 1.0, 1.0, length, length, length])
@@ -362,23 +385,10 @@ def _turning(axis: Array) -> Array:
 
 def _turned(orientation: Array, angle: Array) -> Array:
     """Return Euler parameters turned further by an angle (3,) about the laboratory's axes, rad."""
-    size = float(np.linalg.norm(angle))
-    w = math.cos(size / 2)
-    x, y, z = angle * (0.5 * np.sinc(size / (2 * math.pi)))
-    a, b, c, d = orientation
-    found = np.array([
-        w * a - x * b - y * c - z * d, w * b + x * a + y * d - z * c,
-        w * c - x * d + y * a + z * b, w * d + x * c - y * b + z * a,
-    ])  # fmt: skip
-    turned: Array = found / np.linalg.norm(found)
-    return turned
+    found: Array = (Rotation.from_rotvec(angle) * _rotation(orientation)).as_quat(scalar_first=True)
+    return found
 
 
-def _rotation(orientation: Array) -> Array:
-    """Return the rotation matrix of Euler parameters, from the body to the laboratory."""
-    w, x, y, z = orientation
-    return np.array([
-        [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
-    ])  # fmt: skip
+def _rotation(orientation: Array) -> Rotation:
+    """Return the rotation of Euler parameters, from the body to the laboratory."""
+    return Rotation.from_quat(orientation, scalar_first=True)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from tweezer.scene import SceneLike, checked_scene
 from tweezer.scene.arguments import in_si
 from tweezer.trap.holding import DEEP, LONGEST, Lifetime, adds_nothing
-from tweezer.trap.trap import Trap, characterise
+from tweezer.trap.trap import Trap, sphere_trap
 from tweezer.values.errors import SceneError, warn
 from tweezer.values.prefixes import usual_unit
 from tweezer.values.rounding import with_uncertainty
@@ -95,7 +95,7 @@ def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | No
         )
 
     def at(power: float) -> Trap:
-        return characterise(scene.of_power(power))
+        return sphere_trap(scene.of_power(power))
 
     def above(log_power: float) -> float:
         """Return ln(lifetime/required lifetime) at a power, given as the logarithm of watts."""

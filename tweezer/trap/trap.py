@@ -30,11 +30,11 @@ from tweezer.optics import (
 )
 from tweezer.optics.light import SPEED_OF_LIGHT, LightForce
 from tweezer.optics.worth import between
-from tweezer.scene import Scene, SceneLike
+from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.trap import quantities as known
 from tweezer.trap.holding import Lifetime, adds_nothing, doubt, lifetime, time_without_light
 from tweezer.values.arrays import Array
-from tweezer.values.errors import ResultError, TweezerError
+from tweezer.values.errors import ResultError, SceneError, TweezerError
 from tweezer.values.measured import Measured, Result, figure
 from tweezer.values.prefixes import per
 from tweezer.values.printed import printed
@@ -44,6 +44,8 @@ from tweezer.values.vectors import Comparable, Vector, fixed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from tweezer.trap.body import BodyTrap
 
 
 #: Fraction of the stiffness below which off-diagonal elements are not shown
@@ -479,7 +481,7 @@ def _where(place: Equilibrium) -> str:
     return f"{', '.join(map(micrometres, place.position))} um"
 
 
-def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Trap:
+def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Trap | BodyTrap:
     """Characterise the trap of a scene: equilibria, stiffness, escape forces and efficiencies.
 
     The force is the sum of the optical force (3.26), computed by the scene's evaluator, the weight
@@ -516,6 +518,9 @@ def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Tra
     of the sample distance. The work is integrated by Gauss-Kronrod rules on intervals that are
     halved until the error is 1e-7. Where jumps prevent this, `Escape.energy_error` is larger.
 
+    For a bead that is not a sphere, equilibria are searched in position and orientation
+    (`body_trap`), for light and weight alone.
+
     The force is proportional to the power of a beam, so its values on lines through the focus are
     reused for the next scene with the same light (`tweezer.optics.sampled`). Scenes that differ
     only in power are therefore characterised faster in succession.
@@ -531,13 +536,15 @@ def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Tra
 
     Returns
     -------
-    Trap
+    Trap or BodyTrap
         The trap, with `equilibrium` None if no position holds the bead.
 
     Raises
     ------
     ForceError
         If one of the user's own forces is invalid.
+    SceneError
+        For a body that is not a sphere and forces of your own, a wall or no light.
 
     Examples
     --------
@@ -545,6 +552,18 @@ def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Tra
     >>> (1e6 * trap.stiffness_xyz).round(1).tolist()  # pN/um
     [104.6, 104.6, 34.5]
     """
+    scene = checked_scene(scene)
+    if scene.bead.shape == "sphere":
+        return sphere_trap(scene, forces)
+    if forces:
+        raise SceneError("forces: your own forces require a sphere; remove them, or bead.shape")
+    from tweezer.trap.body import body_trap
+
+    return body_trap(scene)
+
+
+def sphere_trap(scene: Scene, forces: Sequence[Force | str] = ()) -> Trap:
+    """Return the trap of a sphere; see `characterise`."""
     problem = bound_once(scene, forces)
     scene = problem.scene
     light_force = _LightForce(problem)
