@@ -35,9 +35,9 @@ from tweezer.values.arrays import Array, Complex
 HIGHEST_DEGREE = 80
 #: Largest number of amplitudes of one decoupled system; 16 bytes times half of its square is stored
 MOST_AMPLITUDES = 6000
-#: Overlap of two spheres that counts as rounding of touching ones, of the sum of their radii
+#: Overlap that counts as rounding of touching spheres, relative to the sum of the radii
 _ROUNDING_OF_TOUCH = 1e-9
-#: Distance from a line or a plane that counts as rounding, of the enclosing radius
+#: Distance from a line or a plane that counts as rounding, relative to the enclosing radius
 _ROUNDING_OF_PLACE = 1e-14
 #: Rounding errors of S - 1, relative to its largest element
 _ROUNDING = 1e-14
@@ -69,9 +69,13 @@ def _refuse_overlap(spheres: Sequence[Sphere]) -> None:
 def _frame(centres: Array, size: float) -> tuple[str, Array, Array]:
     """Return the symmetry of the centres, the centres in a frame that shows it, and its rotation R.
 
-    The symmetry is "line" if they are on a line through the origin, z in the frame, "plane" if they
-    are in a plane through the origin, normal to z in the frame, and "none" otherwise. R takes
-    vectors in the frame to the body's frame; it is exactly 1 if z is the same in both.
+    The symmetry is one of
+
+    - "line": the centres are on a line through the origin, the z axis of the frame;
+    - "plane": they are in a plane through the origin, normal to z in the frame;
+    - "none".
+
+    R takes vectors in the frame to the body's frame. It is exactly 1 if z is the same in both.
     """
     _, sizes, axes = np.linalg.svd(np.concatenate([centres, np.zeros((3, 3))]))
     if sizes[1] <= _ROUNDING_OF_PLACE * size:
@@ -244,7 +248,7 @@ class _System:
 def _systems(symmetry: str, count: int, degree: int) -> list[_System]:
     """Return the decoupled systems of a cluster of `count` spheres and of the body's degree.
 
-    On a line, orders -m have the same systems as m but for signs.
+    On a line, there are systems of the orders m >= 0 only. Those of -m differ in signs alone.
     """
     number = {"line": degree + 1, "plane": 2, "none": 1}[symmetry]
     return [_System(_Modes(symmetry, which), count, degree) for which in range(number)]
@@ -419,9 +423,11 @@ class _Convergence:
 
         The ratio of successive terms approaches 1 slowly where spheres touch, so that a geometric
         series with their last ratio gives too little. Twice that series is more than the remainder
-        of terms that fall as n^-p with p >= 2. The ratio is not taken to be less than that of
-        n^3 (a/d)^2n, the terms of a dipole beside a sphere: while the light itself still converges,
-        the terms may fall faster than those of the waves between spheres, which follow.
+        of terms that fall as n^-p with p >= 2.
+
+        The ratio is at least the one of n^3 (a/d)^2n, which are the terms of a dipole beside a
+        sphere. While the light itself still converges, the terms may fall faster than that, but
+        those of the waves between spheres follow.
 
         The waves between dielectric spheres cannot add more than a multiple of what the weaker ones
         scatter, and no element of S - 1 exceeds 2.

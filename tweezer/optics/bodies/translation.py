@@ -8,9 +8,9 @@ with d along z,
         = (-1)^(m-1) sqrt((2n+1) (2n'+1)) (n' n L; -m m 0) (n' n L; -1 1 0),
 
 with two 3j symbols and L from |n-n'| to n+n'. For waves that leave a neighbour h_L takes the place
-of j_L. Other directions follow by rotation. Helicity -1 has the same sum with a sign of
-(-1)^(n+n'+L), so that the part of even n+n'+L, called A, couples electric to electric and magnetic
-to magnetic waves, and the part of odd n+n'+L, called B, couples electric to magnetic waves.
+of j_L. Other directions follow by rotation. For helicity -1 each term has a sign (-1)^(n+n'+L).
+Hence the terms of even n+n'+L, whose sum is called A, couple electric to electric and magnetic to
+magnetic waves. Those of odd n+n'+L, with the sum B, couple electric to magnetic waves.
 """
 
 from __future__ import annotations
