@@ -83,5 +83,5 @@ def _draw_profile(axes: Axes, found: DepthFit) -> None:
     for each in found.minima:
         axes.plot(each.z * per("um"), each.misfit, **style.SERIES[0].points)
     axes.set_yscale("symlog", linthresh=10)  # a power of ten: smaller numbers would overlap
-    axes.set(xlabel="z of the start (µm)", ylabel="misfit above the least", ylim=(-0.5, None))
+    axes.set(xlabel="z at the release (µm)", ylabel="misfit above the minimum", ylim=(-0.5, None))
     axes.set_title("profile likelihood; shaded: 95 % confidence")

@@ -61,6 +61,6 @@ def fit_figure(found: SceneFit) -> Figure:
     if len(found.keys) > 1:
         style.add_letters(panels.flat[: len(found.keys)])
     for panel in panels[:, 0]:
-        panel.set_ylabel("misfit above the least")
+        panel.set_ylabel("misfit above the minimum")
     style.add_title(figure, found.statement)
     return figure

@@ -83,6 +83,12 @@ def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | No
     -------
     LeastPower or None
         The power, with its error and the lifetime; None if no power up to 100 W suffices.
+
+    Examples
+    --------
+    >>> least = tweezer.least_power("silica-1um", "1 h")
+    >>> 1e-5 < least.power < 1e-3  # W
+    True
     """
     from scipy.optimize import brentq
 
