@@ -1,4 +1,4 @@
-"""Preparation of thermal motion beside a wall: stiffness and step across it, and the start."""
+"""Preparation of thermal motion beside a wall: stiffness and step towards it, and release."""
 
 from __future__ import annotations
 
@@ -35,8 +35,7 @@ class Towards(NamedTuple):
     """Motion towards the wall, in the plane whose radius r gives the gap (`brownian.plane`)."""
 
     spring: float
-    """mean rate at which the drift decreases the distance between two beads, 1/s; 0 if
-    it does not
+    """mean rate at which the drift decreases the distance between two beads, 1/s; otherwise 0
     """
     fastest: float
     """largest rate of change of the drift where the bead is for 99 % of the time, 1/s"""
@@ -48,11 +47,10 @@ def without_walls(problem: Problem) -> Problem:
 
 
 def towards(problem: Problem, walls: Walls) -> Towards:
-    """Return the rates of the motion towards the wall, where the bead is likely to be.
+    """Return the rates of the motion towards the wall, at the probable positions of the bead.
 
-    The density is Boltzmann's on a line across the wall, through the trap or the start, up to
-    barriers that are not crossed. For a trap it ends where the trap does; without one the start is
-    included.
+    The probable positions follow from Boltzmann's distribution on a line perpendicular to the wall,
+    through the trap or the release position, up to barriers that are not crossed.
     """
     scene = problem.scene
     trap = problem.equilibrium

@@ -44,11 +44,10 @@ class ErrorBudget:
     """Errors of a run's positions, m; NaN if unknown."""
 
     integration_error: float
-    """error of time integration. For a compiled method it is thrice the largest distance to a run
-    with every step halved and the most poles of the fluid's memory. A solver of SciPy is
-    compared with a compiled method of tighter tolerances instead. NaN if no finer run can be
-    made, for example because half of `simulation.step` takes more than
-    `simulation.most_force_calls`
+    """error of time integration. For a compiled method it is three times the largest distance to a
+    run with halved steps and the largest number of poles of the hydrodynamic memory. A solver of
+    SciPy is compared with a compiled method with tighter tolerances. NaN if a finer run is
+    impossible, for example because it would exceed `simulation.most_force_calls`
     """
     finer: Finer | None
     """finer run from which the integration error follows; None if it is unknown"""
@@ -142,7 +141,7 @@ def _of_integration(
 def same_steps(one: Integration, other: Integration) -> bool:
     """Return whether two runs took the same steps, so that their difference is not their error.
 
-    Tighter tolerances do not change a step that is given, nor steps at the smallest tolerance.
+    Tighter tolerances change neither a given step nor steps at the smallest tolerance.
     """
     a, b = one.step_lengths, other.step_lengths
     return len(a) > 0 and len(a) == len(b) and bool(np.allclose(a, b, rtol=_ROUNDING, atol=0.0))
@@ -216,7 +215,7 @@ def _compiled(equations: EquationsOfMotion) -> Problem | None:
 
 
 def unscaled(problem: Problem) -> Problem | None:
-    """Return the unscaled equations with all inertia; None where the method cannot follow them."""
+    """Return the unscaled equations with all inertia; None if the method cannot integrate them."""
     full = problem.changed(
         model="full", method="exponential", scaling_factor=None, step=None,
         rotation_state="angular-velocity",

@@ -77,7 +77,7 @@ class Frames:
         seed : int
             Seed of the run.
         trajectory : int
-            Number of the trajectory.
+            Index of the trajectory.
         first, last : int
             First frame, and the frame after the last one.
         """
@@ -155,7 +155,7 @@ class Exposure:
         seed : int
             Seed of the run.
         trajectories : ndarray of int, shape (n,)
-            Numbers of the trajectories, which select the random numbers together with `seed`.
+            Indices of the trajectories, which select the random numbers together with `seed`.
         steps : int
             Number of steps before the first position.
         places : ndarray, shape (n, m + 1, 3)
@@ -243,19 +243,19 @@ def at_short_times(h: float, diffusion: Array, modes: Modes) -> Array:
 def longest_step(camera: Camera, modes: Modes, error: float) -> float:
     """Longest step by which the frames of a bead with inertia move as the bead does, s.
 
-    The Brownian bridge within a step knows nothing of how the bead moved before, and varies more.
-    With 1 - delta the ratio of `at_short_times`, W the exposure and P the time between frames, the
-    mean squared displacement from frame to frame is off by up to delta h/P min(h/W, 1/2). This
-    bound holds for the exact covariances of path and bridge, of beads of 1 and 3 um in water, P
-    from 50 us to 1 ms, and W from P/20 to P.
+    The Brownian bridge within a step does not depend on the earlier motion, so its variance is too
+    large. Let 1 - delta be the ratio of `at_short_times` to D, W the exposure and P the time
+    between frames. The error of the mean squared displacement between frames is then at most delta
+    h/P min(h/W, 1/2). This bound holds for the exact covariances of path and bridge, of beads of 1
+    and 3 um in water, P from 50 us to 1 ms, and W from P/20 to P.
 
     Parameters
     ----------
     camera : Camera
     modes : Modes
-        Of the velocity of the bead.
+        Modes of the bead's velocity.
     error : float
-        Largest relative error of that displacement.
+        Largest relative error of this displacement.
     """
     from scipy.optimize import brentq
 

@@ -1,4 +1,4 @@
-"""The model and the method of a scene that leaves them open: by stiffness and tolerance."""
+"""Choice of model and method for a scene that does not set them, from stiffness and tolerance."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ def chosen(scene: Scene) -> tuple[Scene, str]:
     Parameters
     ----------
     scene : Scene
-        Scene that may leave them open.
+        Scene, which need not set them.
 
     Returns
     -------
     tuple of Scene and str
-        The scene in which nothing is left open, and the reasons in words.
+        The scene with all three set, and the reasons in words.
 
     Examples
     --------
@@ -49,14 +49,14 @@ def decided(problem: Problem) -> tuple[Problem, str]:
     """Return a problem with a model, a method and fluid inertia, and the reasons for them.
 
     Values that the scene sets are kept. The relaxation time of the velocity is tau, and the fastest
-    rate of the trap is k/beta_v. Without inertia a bead of radius r is displaced by
-    about r tau k/beta_v, and in the first-order model by r (tau k/beta_v)^2. The exponential method
-    integrates the unscaled equations at the cost of those without inertia, so the first-order model
-    is chosen only for bodies that this method cannot integrate. Without fluid inertia the bead is
-    displaced by its lag (`Scene.lag`), which is more. So fluid inertia is part of the model `full`
+    rate of the trap is k/beta_v. Without inertia a bead of radius r is displaced by about r tau
+    k/beta_v, and in the first-order model by r (tau k/beta_v)^2. The exponential method integrates
+    the unscaled equations at the cost of those without inertia, so the first-order model is chosen
+    only for bodies that this method cannot integrate. Without fluid inertia the bead is displaced
+    by its lag (`Scene.lag`), which is larger. Fluid inertia is therefore part of the model `full`
     if the exponential method integrates it.
 
-    Raises `SceneError` if the scene names a memory that cannot be integrated.
+    Raises `SceneError` if the scene sets `memory` and it cannot be integrated.
     """
     reasons = []
     if problem.scene.simulation.model is None:

@@ -100,8 +100,8 @@ class Continued:
 
     end: End
     sample: int
-    """number of the sample at the end, from the release on; its samples are as far apart as in the
-    continued run"""
+    """index of the last sample, counted from the release; both runs have the same sampling
+    interval"""
     approached: bool
     """whether the bead has passed its closest approach"""
     seed: int | None
@@ -132,11 +132,10 @@ class Continued:
 
 
 def continued(scene: Scene, attributes: Mapping[str, Any], times: Array) -> tuple[Scene, Continued]:
-    """Return the scene of a run that goes on, from its release to its new end, and from what.
+    """Return the scene of a continued run, from the release to its new end, and the earlier run.
 
-    The scene has the model, the method and the inertia of the fluid of the earlier run where it
-    leaves them open, and its samples are as far apart. Its duration and samples count from the
-    release.
+    Model, method and fluid inertia that the scene does not set are those of the earlier run, and so
+    is the sampling interval. Duration and samples are counted from the release.
 
     Parameters
     ----------
@@ -153,7 +152,7 @@ def continued(scene: Scene, attributes: Mapping[str, Any], times: Array) -> tupl
         If the run cannot be continued: it failed, lost its bead, is a part of a run or was saved by
         an earlier version.
     SceneError
-        If the scene differs from that of the run in what the state of the bead depends on.
+        If the scene differs from that of the run in a value on which the state of the bead depends.
     """
     end = _end_of(attributes, times)
     earlier = scene_in(attributes)
@@ -257,5 +256,5 @@ def _same(one: Any, other: Any) -> bool:
 
 
 def as_attribute(end: End | None) -> dict[str, str]:
-    """Return the attribute of a run that holds its end."""
+    """Return the attribute of a run that contains its end."""
     return {} if end is None else {"end": json.dumps(end.model_dump())}

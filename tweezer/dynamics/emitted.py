@@ -21,7 +21,7 @@ def module(name: str) -> ModuleType:
 def module_of(scene: Scene, *, rotates: bool) -> ModuleType:
     """Return the smallest emitted module that is sufficient for a scene.
 
-    A scene without a model gets the unscaled equations.
+    If the scene does not set a model, the unscaled equations are used.
     """
     model = MODELS[scene.simulation.model or "full"]
     if not rotates:

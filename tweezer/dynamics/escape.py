@@ -60,36 +60,36 @@ _WEIGHTS = np.concatenate([_KRONROD[:0:-1, 1:], _KRONROD[:, 1:]]).T
 
 @dataclass(frozen=True)
 class Escape:
-    """Pull of the bead out of an equilibrium along a straight line, as `characterise`
-    reports it.
-    """
+    """Escape of the bead from an equilibrium along a straight line."""
 
     direction: str
     """"+x" to "-z\""""
     force: float
-    """largest restoring force on the way, N: a steady pull above it takes the bead out"""
+    """escape force, N: the largest restoring force on the line. A larger steady force removes the
+    bead"""
     force_at: float
-    """distance from the equilibrium at which it acts, m"""
+    """distance from the equilibrium at which the restoring force is largest, m"""
     range: float | None
-    """m from the equilibrium to where the force stops pulling back; None if beyond `Trap.reach`,
-    a wall or the places where the force is known"""
+    """distance from the equilibrium beyond which the force is no longer restoring, m; None if it
+    exceeds `Trap.reach`, or lies behind a wall or where the force is unknown"""
     energy: float
-    """work against the force up to `range`; without it, up to `Trap.reach` or the wall, J"""
+    """work against the force up to `range`, J; if that is None, up to `Trap.reach` or the wall"""
     energy_error: float
-    """estimated error of the integration, J, without the error of the force"""
+    """estimated integration error of `energy`, J, without the error of the force"""
     energy_kT: float
     """`energy` in k_B T of the medium"""
     wall_at: float | None
-    """m from the equilibrium to where the bead touches a wall, if it is pulled back all the way"""
+    """distance from the equilibrium at which the bead touches a wall, m, if the force is restoring
+    up to there; otherwise None"""
     faint_at: float | None = None
-    """m from the equilibrium to where the restoring force, past its largest value, has fallen to
-    5 % of it; None if it is larger up to `Trap.reach` or a wall"""
+    """distance from the equilibrium, m, at which the restoring force has decreased to 5 % of its
+    largest value; None if it is larger up to `Trap.reach` or a wall"""
 
 
 def too_shallow(ways: Iterable[Escape]) -> str:
     """Return the reason why a well is too shallow for a bead; "" if it is not.
 
-    A direction in which the force pulls the bead back up to a wall is no escape.
+    A direction in which the force is restoring up to a wall does not count as an escape.
     """
     free = [each for each in ways if each.wall_at is None]
     easiest = min(free, key=lambda each: each.energy_kT, default=None)

@@ -49,12 +49,12 @@ class Occurrence:
     state: Array
     """(state,) state at this time"""
     certain: float
-    """time at which the event was certain, s: later than `time` if its condition had to last"""
+    """time at which the event was certain, s: later than `time` if its condition must persist"""
 
 
 @dataclass
 class Event:
-    """Event of a run: a function of the motion changes its sign.
+    """Event of a run: the change of sign of a function of the motion.
 
     Parameters
     ----------
@@ -70,8 +70,8 @@ class Event:
     once : bool, optional
         Whether only the first occurrence counts.
     hold : float, optional
-        Time for which the sign must last for the event to count, s. The event then has the time of
-        the change of sign, and it ends a run when `hold` is over.
+        Time for which the new sign must persist for the event to count, s. The time of the event is
+        the time of the sign change; a terminal event ends the run when `hold` is over.
     ends_as : str, optional
         Status of a run that the event ends.
     """
@@ -84,9 +84,9 @@ class Event:
     hold: float = 0.0
     ends_as: str = "ended"
     _sign: float = field(default=0.0, init=False, repr=False)
-    """sign of the value at the end of the last piece; 0 before the first one"""
+    """sign of the value at the end of the last piece; 0 before the first piece"""
     _since: Occurrence | None = field(default=None, init=False, repr=False)
-    """occurrence whose sign has not lasted for `hold` yet"""
+    """occurrence whose sign has not yet persisted for `hold`"""
     _done: bool = field(default=False, init=False, repr=False)
     """whether no further occurrence counts"""
     _close: Array = field(default_factory=lambda: np.zeros(1), init=False, repr=False)
@@ -100,8 +100,8 @@ class Event:
         state : ndarray, shape (state,)
             State at the beginning of the run.
         close : ndarray, shape (state,), optional
-            Change of the state that does not count: a sign that such a change could change is no
-            sign, because a bead at rest wobbles by rounding.
+            Change of the state that is negligible. If such a change can change the sign, the sign
+            is ignored, because rounding errors move even a bead at rest.
 
         Raises
         ------
@@ -218,8 +218,8 @@ def ending(event: Event, time: float) -> str:
 def crossing(value: Callable[[Array], Array], begin: float, end: float, tolerance: float) -> float:
     """Return the time at which a function is 0, between two times at which its signs differ, s.
 
-    The interval is divided into equal parts again and again, rather than halved, because evaluating
-    at many times costs as much as at one.
+    The interval is repeatedly divided into many equal parts instead of two, because evaluating the
+    function at many times costs as much as at one.
 
     Parameters
     ----------
@@ -256,7 +256,7 @@ class _Low:
 class ClosestApproach(Event):
     """The first local minimum of the distance to the focus.
 
-    It counts once the distance has risen by more than `rise`, m, above it: a bead at rest wobbles
+    It counts once the distance has increased by more than `rise`, m, because a bead at rest moves
     within the tolerance of its position.
     """
 
@@ -326,7 +326,7 @@ class ClosestApproach(Event):
 def closest_approach(rise: float = 0.0) -> Event:
     """Return the event of the first closest approach to the focus (FCA).
 
-    rise: distance, m, by which the bead must move away again, see `ClosestApproach`.
+    `rise` is the distance, m, by which the bead must move away again; see `ClosestApproach`.
     """
     return ClosestApproach("closest approach", lambda times, _: times, direction=1, rise=rise)
 
@@ -353,7 +353,7 @@ def capture(
     radius : float or str
         Largest distance from `centre`, m.
     time : float or str
-        Time for which the bead must stay, s. The event has the time of the approach.
+        Time for which the bead must stay, s. The time of the event is the time of the approach.
     centre : array_like, shape (3,), optional
         Position, m from the focus. Default: the focus.
     terminal : bool, optional

@@ -1,7 +1,7 @@
 """Integration in time with a compiled method or a solver of SciPy, piece by piece.
 
-Advancing piece by piece, rather than in one call, lets a run report progress, look for events, stop
-when the bead is lost, and keep the computed motion if it is interrupted or fails.
+Because the integration advances piece by piece, a run can report progress, detect events, stop when
+the bead is lost, and keep the computed motion if it is interrupted or fails.
 """
 
 from __future__ import annotations

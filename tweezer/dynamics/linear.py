@@ -5,10 +5,10 @@ In a force -K x a bead of the mobility b, whose velocity has the modes (a_j, tau
 
     x' = sum_j a_j v_j,    tau_j v_j' = -b K x - v_j,
 
-of which m x'' = -beta x' - K x is the case of one mode, tau = m/beta. Where K is not symmetric, as
-in circular light, drag alone decides whether a bead that is pulled back comes to rest. For the
-eigenvalues a +- i b of K with a > 0, the motion with one mode has a growing root if and only if
-beta < |b| sqrt(m/a).
+With one mode, tau = m/beta, this is m x'' = -beta x' - K x. If K is not symmetric, as in circularly
+polarised light, the drag determines whether a displaced bead comes to rest. For the eigenvalues a
++- i b of K with a > 0, the motion with one mode has a growing root if and only if beta < |b|
+sqrt(m/a).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ CRITICAL = 0.5
 
 
 class Resonances(NamedTuple):
-    """Frequencies of a bead in the spring of each axis, (3,) each.
+    """Frequencies of a bead in a harmonic trap along each axis, (3,) each.
 
     An axis has either a corner frequency or a resonance frequency with a quality factor; the others
     are NaN.
@@ -58,7 +58,7 @@ class LinearMotion:
     inertia
     """
     displaced_mass: float = 0.0
-    """mass of the fluid in the bead's place, kg, if the fluid has a memory; else 0"""
+    """mass of the displaced fluid, kg, with hydrodynamic memory; otherwise 0"""
     poles: int = 0
     """number of poles of the fluid's memory; 0 without it"""
     scale: float = 1.0
@@ -67,11 +67,11 @@ class LinearMotion:
     """m/beta_v of the model of first order (4.11), s; 0 of others"""
 
     def spiral_rate(self, stiffness: Array, mobility: Array) -> float:
-        """Return the rate at which a displaced bead that is pulled back leaves the place, 1/s.
+        """Return the growth rate of the linear motion of a displaced bead, 1/s.
 
         The eigenvalues of `stiffness` K, (3, 3) N/m, have positive real parts. `mobility` (3,)
-        contains the mobilities of translation along the axes, s/kg. Returns 0 where every
-        displacement decays.
+        contains the mobilities of translation along the axes, s/kg. Returns 0 if every displacement
+        decays.
         """
         rates = mobility[:, None] * stiffness
         kappa: Complex = np.linalg.eigvals(rates).astype(complex)
@@ -109,7 +109,7 @@ class LinearMotion:
     def resonances(self, stiffness: Array, mobility: Array) -> Resonances:
         """Return the resonances of the bead for positive `stiffness` (3,), N/m.
 
-        `mobility` (3,) is in s/kg. The scaling of the model has no effect, because it is no
+        `mobility` (3,) is in s/kg. The scaling of the model has no effect, because it is not a
         property of the bead.
         """
         kappa = mobility * stiffness

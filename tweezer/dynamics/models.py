@@ -1,7 +1,7 @@
-"""Equations of motion bound to a scene: the emitted model that fits it, and the light.
+"""Equations of motion bound to a scene: the emitted model that suits it, and the light.
 
-Everything a scene decides is decided here, once: which emitted module, whether there is a
-rotation, which derivatives of the force are needed.
+The choices that depend on the scene are made here, once: the emitted module, whether rotation is
+included, and which derivatives of the force are needed.
 """
 
 from __future__ import annotations
@@ -67,8 +67,8 @@ class Motion:
 class EquationsOfMotion(Shown):
     """Equations of motion: one emitted model with a scene's parameters and light.
 
-    `rhs(t, y)` and `jacobian(t, y)` are plain callables for any solver, `initial_state` is the
-    state at the release, and `motion` converts states to positions and velocities.
+    `rhs(t, y)` and `jacobian(t, y)` can be passed to any solver. `initial_state` is the state at
+    the release, and `motion` converts states to positions and velocities.
     """
 
     problem: Problem
@@ -76,11 +76,11 @@ class EquationsOfMotion(Shown):
     begin: Begin | None = None
     """end of the run that is continued; None for a run from the release"""
     force_calls: int = field(default=0, init=False)
-    """positions at which `rhs` and `jacobian` evaluated the light so far"""
+    """number of positions at which `rhs` and `jacobian` have evaluated the light so far"""
     rotates: bool = field(init=False)
     """whether the state contains an orientation"""
     inertial: bool = field(init=False)
-    """whether the state contains velocities, which relax much faster than the bead moves"""
+    """whether the state contains velocities, which relax much faster than the position"""
 
     def __post_init__(self) -> None:
         self.scene, self.bead = self.problem.scene, self.problem.bead
@@ -303,8 +303,8 @@ class EquationsOfMotion(Shown):
     def on_constraints(self, states: Array) -> Array:
         """Return states (..., state) with |e| = 1 (A.21) and, if they contain e', e.e' = 0 (A.22).
 
-        This replaces the stabilising terms of (A.26). It changes no orientation and no angular
-        velocity.
+        This replaces the stabilising terms of (A.26). Neither the orientation nor the angular
+        velocity changes.
         """
         if not self.rotates:
             return states
@@ -535,13 +535,13 @@ class _Released:
 def bind(scene: Scene | Problem, begin: Begin | None = None) -> EquationsOfMotion:
     """Return the equations of motion of a scene: the smallest emitted model that is sufficient.
 
-    A scene without a model gets the unscaled equations. If the scene does not decide on fluid
-    inertia, it is omitted (`tweezer.simulate` decides on it).
+    If the scene does not set a model, the unscaled equations are used. If it does not set fluid
+    inertia, fluid inertia is omitted, whereas `tweezer.simulate` chooses it.
 
     Parameters
     ----------
     scene : Scene or Problem
-        Scene, or what is known of it already.
+        Scene, or the problem bound to it.
     begin : Begin, optional
         State from which the equations continue. Default: the release.
 

@@ -1,10 +1,10 @@
-"""Requirements of models and methods: a table of facts of a scene that they cannot follow.
+"""Requirements of models and methods: a table of properties of a scene that they do not support.
 
-A row of `CHOICES` gives the value of a key that a scene with thermal motion leaves open. A `Need`
-names a fact of the scene that a model or method cannot follow, and words the refusal. A row of
-`MEMORY` gives a reason why a motion cannot have the memory of the fluid. The scene is refused if it
-names the memory; otherwise its motion has no inertia of the fluid. A scene's own validators refuse
-what needs no bound problem (`tweezer.scene.rules`).
+A row of `CHOICES` gives the value of a key that a scene with thermal motion does not set. A `Need`
+names a property that a model or method does not support, with the error message. A row of `MEMORY`
+gives a reason why hydrodynamic memory cannot be included. If the scene sets `memory`, it is then
+refused; otherwise fluid inertia is omitted. The validators of a scene refuse everything that does
+not require a bound problem (`tweezer.scene.rules`).
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ AnyProblem = TypeVar("AnyProblem", bound=Bound)
 
 @dataclass(frozen=True)
 class Facts:
-    """Facts of a problem, with its model and method, that choices and needs depend on."""
+    """Properties of a problem, with its model and method, on which choices and needs depend."""
 
     problem: Bound
 
@@ -143,7 +143,7 @@ class Facts:
     def names_another_model(self) -> bool:
         """Whether a scene with open inertia of the fluid names another model than `full`.
 
-        Before a model is decided this is no reason against the memory of the fluid.
+        Before a model is chosen, this is not a reason against hydrodynamic memory.
         """
         scene = self.problem.scene
         return scene.medium.inertia is None and scene.simulation.model not in (None, "full")
@@ -179,12 +179,12 @@ CHOICES = (
 
 
 class Need(NamedTuple):
-    """Fact of a scene that a model or a method cannot follow, with the words of the refusal."""
+    """Property of a scene that a model or a method does not support, with the error message."""
 
     key: str
     """what is refused: "section.name" of a key of the scene, or the name of an argument"""
     unmet: Callable[[Facts], bool]
-    """whether the fact is present, so that the scene is refused"""
+    """whether the property is present, so that the scene is refused"""
     problem: str
     """what is wrong, in words, with {model} and {where}"""
     remedy: Callable[[Facts], str]
@@ -282,7 +282,7 @@ DETERMINISTIC, THERMAL, LINEAR = "deterministic", "thermal", "linear"
 
 
 class Forgotten(NamedTuple):
-    """Fact because of which some motions cannot have the memory of the fluid."""
+    """Property of a scene that excludes hydrodynamic memory for some motions."""
 
     motions: tuple[str, ...]
     """the motions concerned: `DETERMINISTIC`, `THERMAL`, `LINEAR`"""
@@ -328,7 +328,7 @@ def check(problem: Bound, needs: tuple[Need, ...]) -> None:
 
 
 def without_memory(problem: Bound, motion: str) -> str:
-    """Return why a motion of `MEMORY` cannot have the memory of the fluid; empty if it can."""
+    """Return why a motion of `MEMORY` cannot include hydrodynamic memory; empty if it can."""
     its = Facts(problem)
     rows = (row for row in MEMORY if motion in row.motions)
     return next((its.says(row.why) for row in rows if row.unmet(its)), "")
@@ -337,12 +337,12 @@ def without_memory(problem: Bound, motion: str) -> str:
 def with_inertia_of_the_fluid(
     problem: AnyProblem, memory: Callable[[AnyProblem], tuple[int, str]]
 ) -> tuple[AnyProblem, str]:
-    """Choose the inertia of the fluid for a problem whose model of motion is chosen.
+    """Choose fluid inertia for a problem whose model of motion has been chosen.
 
     Returns the problem with this choice, and the reason for it. The memory of the fluid is a sum of
     exponentials; `memory` returns their number (poles) for a problem, and the reason.
 
-    Raises `SceneError` if the scene names a memory that cannot be followed.
+    Raises `SceneError` if the scene sets `memory` and it cannot be included.
     """
     medium = problem.scene.medium
     missing = without_memory(problem, THERMAL if problem.scene.forces.brownian else DETERMINISTIC)

@@ -61,7 +61,7 @@ class Path:
     def speed_tolerance(self) -> float:
         """Difference below which two speeds are not distinguished, m/s.
 
-        It moves the bead by the tolerance of the position in the time between two checkpoints.
+        Such a speed moves the bead by the position tolerance in the time between two checkpoints.
         """
         begin = self.equations.begin_time
         return self.position_tolerance * len(self.checkpoints) / (self.end - begin)

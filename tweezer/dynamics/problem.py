@@ -92,7 +92,7 @@ class Problem:
 
     @property
     def rotates(self) -> bool:
-        """Whether anything rotates the bead: otherwise no rotation is computed."""
+        """Whether anything rotates the bead; otherwise rotation is not computed."""
         return self.scene.rotates or self.force.oriented or self.drag.oriented
 
     @property
@@ -198,8 +198,8 @@ class Problem:
     def modes(self) -> Modes:
         """Modes of the velocity of translation, in a model with inertia and a uniform drag.
 
-        A scene that leaves fluid inertia open has none here. Raises `SceneError` for a number of
-        poles without a table.
+        If the scene does not set fluid inertia, it is not included here. Raises `SceneError` for a
+        number of poles without a table.
         """
         medium, drag = self.scene.medium, 1 / self.mobility[0]
         if medium.inertia == "memory":
@@ -390,7 +390,8 @@ class Problem:
 def bound_once(scene: SceneLike | Problem, others: Sequence[Force | str] = ()) -> Problem:
     """Return the problem of a scene and of the user's own forces; return a problem unchanged.
 
-    Raises `SceneError` for objects that are no forces, and forces that fail a trial (`try_forces`).
+    Raises `SceneError` for objects that are not forces, and forces that fail a trial
+    (`try_forces`).
     """
     if isinstance(scene, Problem):
         return scene

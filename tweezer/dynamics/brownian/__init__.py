@@ -1,1 +1,1 @@
-"""Brownian motion at fixed steps: noise by counter, exact drag, one small file a scheme."""
+"""Brownian motion with fixed steps: counter-based noise, exact drag, and one file per scheme."""

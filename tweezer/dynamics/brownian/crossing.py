@@ -62,13 +62,12 @@ class Boundary(NamedTuple):
     drag: Part
     """compiled drag with its data, used if the drag depends on the position"""
     find: int
-    """address of the function `find`; 0 as long as no bead came near, as not all scenes
-    compile it
+    """address of the function `find`; 0 until a bead comes near, because not all scenes compile it
     """
 
 
 def way(step: float, kT: float, mobility: float, modes: Modes | None, drift: float) -> float:
-    """Return the longest displacement in a step of a bead that was not thrown, m.
+    """Return the longest displacement of a bead in a step, without an initial velocity, m.
 
     Parameters
     ----------
@@ -145,10 +144,10 @@ def all_far(edge, x, n):  # type: ignore[no-untyped-def]
 def find(edge, seed, who, at, before, watched, beads, lost):  # type: ignore[no-untyped-def]
     """Fill `lost` (n,) with the fraction of a step after which each bead is lost; 2 if not lost.
 
-    `edge` is a `Boundary`. The random numbers are selected by `seed`, the numbers `who` of the
-    trajectories and the number `at` of the step. The positions `before` (3, w) the step, m, are
-    valid if `watched`; otherwise only the end of the step is tested. On entry `lost` is negative
-    for beads that were lost earlier. It becomes NaN for a position that is not finite.
+    `edge` is a `Boundary`. `seed`, the indices `who` of the trajectories and the index `at` of the
+    step select the random numbers. The positions `before` (3, w) the step, m, are valid if
+    `watched`; otherwise only the end of the step is tested. On entry `lost` is negative for beads
+    that were lost earlier. It becomes NaN for a position that is not finite.
     """
     x, n, many = beads.x, lost.size, 0
     few, index = np.empty(n, np.int64), np.empty(n, np.int64)

@@ -1,10 +1,10 @@
-"""Exponential Heun, the default: two forces a step, weak order 2 at any step over tau.
+"""Exponential Heun method, the default: two force calls per step, weak order 2 for any step/tau.
 
-Drag, the trap's own stiffness and the noise are exact (`propagator`). A step of order 1 predicts
-the position. The force beyond the spring is taken to change in proportion to the time up to there.
-A harmonic trap of a diagonal stiffness is exact at any step. Off-diagonal entries have weak order
-2, as the force beyond the spring. Without inertia this is stochastic Heun (Kloeden and Platen 1992,
-15.1) with an exact spring.
+Drag, the stiffness of the trap and the noise are integrated exactly (`propagator`). A step of order
+1 predicts the position. The remaining force is assumed to change linearly in time up to the
+predicted position. The motion in a harmonic trap with a diagonal stiffness matrix is exact for any
+step. Off-diagonal entries, like the remaining force, are integrated with weak order 2. Without
+inertia this is stochastic Heun (Kloeden and Platen 1992, 15.1) with an exact spring.
 """
 
 from __future__ import annotations

@@ -114,7 +114,7 @@ def advance(
     layout : Layout
         Layout of the states.
     trajectories : ndarray, shape (n,)
-        Numbers of the trajectories, which select the random numbers.
+        Indices of the trajectories, which select the random numbers.
     states : ndarray, shape (n, layout.width)
         States, a row for each bead.
     sample : int
@@ -173,10 +173,10 @@ def _held(layout: Layout, beads: Beads, n: int) -> list[tuple[slice, Array]]:
 def loop() -> Any:
     """Return the compiled loop over the steps and samples of one batch of beads.
 
-    It fills `out` (n, samples, columns) for the trajectories of the numbers `who`. Steps are
-    counted from the number `sample` of the first sample. `lost_at` (n,) are times of loss, s,
-    infinite for beads that are not lost. The result is `_ALL` (-1), `NEAR`, or the row of a bead
-    whose position is not finite.
+    It fills `out` (n, samples, columns) for the trajectories with the indices `who`. Steps are
+    counted from the sample with the index `sample`. `lost_at` (n,) are times of loss, s, infinite
+    for beads that are not lost. The result is `_ALL` (-1), `NEAR`, or the row of a bead whose
+    position is not finite.
     """
 
     def follow(  # type: ignore[no-untyped-def]

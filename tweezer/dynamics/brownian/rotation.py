@@ -43,7 +43,7 @@ def turn_by_steps(plan, trajectories, at, beads):  # type: ignore[no-untyped-def
 def turn_and_diffuse(plan, trajectories, at, beads):  # type: ignore[no-untyped-def]
     """Rotate every bead by the angles of its step, then by exact free rotational diffusion.
 
-    The numbers `trajectories` (w,) of the beads and `at` of the step select random numbers.
+    The indices `trajectories` (w,) of the beads and `at` of the step select the random numbers.
     """
     _turn(beads)
     _diffuse(plan, trajectories, at, beads)

@@ -1,9 +1,9 @@
-"""Events of thermal motion: looked for at the ends of steps, and located on straight lines between.
+"""Events of thermal motion: detected at the ends of steps, located by linear interpolation.
 
-A path of thermal motion crosses a surface many times while it is near it. What a step both enters
-and leaves is not seen. A first crossing is therefore late: without inertia as if the surface were
-farther away by 0.58 sqrt(2 D h), for steps h and the diffusion D (M. Broadie, P. Glasserman,
-S. Kou, Mathematical Finance 7, 325 (1997)).
+A Brownian path that reaches a surface crosses it many times. If it crosses the surface and returns
+within one step, this is not detected. A first crossing is therefore found too late: without
+inertia, as if the surface were further away by 0.58 sqrt(2 D h), for steps h and the diffusion
+coefficient D (M. Broadie, P. Glasserman, S. Kou, Mathematical Finance 7, 325 (1997)).
 """
 
 from __future__ import annotations
