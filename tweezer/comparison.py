@@ -152,8 +152,7 @@ class Compared:
     where: str
     """description of their position in the result, such as "along x"; "" for a single value"""
     p_value: float | None
-    """probability that chance alone makes the largest of `count` differences at least this large;
-    None if errors are bounds"""
+    """p-value of the largest of `count` differences; None if errors are bounds"""
     agrees: bool
     """whether the difference is within the errors, or p_value is not below 1 %"""
 
@@ -177,17 +176,18 @@ class Comparison(Shown):
     names: tuple[str, str]
     """names of the two results"""
     kind: str
-    """such as "run", "thermal run", "ensemble", "statistics", "sweep of trap", "trap" """
+    """kind of both results, such as "run", "thermal run", "ensemble", "statistics", "sweep of
+    trap", "trap" """
     agrees: bool
-    """whether all that was compared agrees"""
+    """whether all compared quantities agree"""
     same: bool
     """whether all numbers are the same, bit for bit, and so are their times"""
     quantities: tuple[Compared, ...]
-    """what was compared"""
+    """outcome of the comparison for each quantity"""
     differing: tuple[tuple[str, str, str], ...]
     """keys of the scene, versions, methods and words that differ, with both values"""
     notes: tuple[str, ...]
-    """how it was compared, and what was not"""
+    """notes on the method of comparison and on what was not compared"""
 
     def card(self) -> Card:
         """Return the card with the verdict, a row for each quantity, and differences in how they
@@ -212,28 +212,28 @@ Given = xr.Dataset | Result | str | Path
 
 
 def compare(a: Given, b: Given) -> Comparison:
-    """Test whether two results agree within their errors, and report where they do not.
+    """Test whether two results agree within their errors, and report the differences.
 
     A result is a run, an ensemble (trajectories or statistics), a sweep, a trap, a calibration or a
-    wall found by calibrations. Both must be of the same kind, but a trap can be compared with a
-    calibration.
+    wall found by calibrations. Both must be of the same kind, except that a trap can be compared
+    with a calibration.
 
-    * Runs without thermal motion: the distance of their positions, at the times that both have,
-      must be at most the sum of both integration errors. For runs by different models the model
-      errors are added. They are not added for runs by one model, which share them. Nothing is
-      interpolated. The error of the force is not used.
+    * Runs without thermal motion: at common times, the distance between the positions must be at
+      most the sum of both integration errors. For runs with different models the model errors are
+      added. Positions are not interpolated, and the error of the force is not used.
     * Traps, and sweeps of traps or runs without thermal motion: their numbers must agree within the
       sums of their errors.
-    * Runs with thermal motion: the mean and the variance along each axis, with standard errors that
-      follow from their statistical inefficiency.
-    * Ensembles: the mean and the variance of the position over the trajectories, at up to 20 times,
-      and the fraction that is lost. For statistics: the means and variances that they contain.
-    * Calibrations: the stiffnesses without findings. A trap and a calibration are compared by their
-      stiffnesses: each estimate of the calibration without a finding against the stiffness of the
-      trap along that axis.
+    * Runs with thermal motion: the mean and the variance along each axis are compared, with
+      standard errors that follow from the statistical inefficiency.
+    * Ensembles: the mean and the variance of the position over the trajectories are compared at up
+      to 20 times, and the fraction of lost beads. For statistics, their means and variances are
+      compared.
+    * Calibrations: the stiffnesses without findings are compared. For a trap and a calibration,
+      each estimate without a finding is compared with the stiffness of the trap along the same
+      axis.
 
-    Runs that ended with different outcomes differ, whatever their numbers are. So do sweeps in
-    which different cases failed or were not computed.
+    Runs with different outcomes differ, whatever their numbers are. Sweeps also differ if different
+    cases failed or were not computed.
 
     Parameters
     ----------
@@ -244,27 +244,27 @@ def compare(a: Given, b: Given) -> Comparison:
     Returns
     -------
     Comparison
-        The verdict `agrees`, and whether all numbers and times are equal bit for bit (`same`), also
-        those that are not compared otherwise. `notes` contains how many numbers of each quantity
-        were left out: without thermal motion, numbers without a known error; with thermal motion,
-        also numbers that only one result has. Without thermal motion such a number is a difference.
+        The verdict `agrees`, and `same`, which is True if all numbers and times are equal bit for
+        bit. `notes` states how many numbers of each quantity were left out: numbers without a known
+        error and, with thermal motion, numbers that only one result contains. Without thermal
+        motion, a number that only one result contains counts as a difference.
 
     Raises
     ------
     ResultError
-        If an argument is no result, the kinds differ, there is no common time, or nothing differs
-        but a quantity has no number left to compare.
+        If an argument is not a result, the kinds differ, or there is no common time; also if no
+        difference was found but a quantity could not be compared.
 
     Notes
     -----
-    With thermal motion, numbers differ by chance. The difference of two numbers over its standard
-    error has Student's distribution, and the ratio of two variances has the F distribution with the
-    degrees of freedom that follow from their kurtosis (L. H. Shoemaker, Am. Stat. 57, 105 (2003)).
-    The errors of variances, and of runs sampled alike, follow from the scatter of both results
-    together. The probability of the largest of n differences is taken as n times its own (C. E.
-    Bonferroni). So all comparisons together call two results with the same statistics different
+    With thermal motion, numbers differ by chance. The difference of two numbers divided by its
+    standard error follows Student's distribution. The ratio of two variances follows the F
+    distribution, with degrees of freedom from their kurtosis (L. H. Shoemaker, Am. Stat. 57, 105
+    (2003)). The errors of variances, and of runs with equal sampling, follow from the pooled
+    scatter of both results. The p-value of the largest of n differences is multiplied by n
+    (Bonferroni's correction). Two results with the same statistics are therefore called different
     with a probability of at most about 1 %, whatever their sizes are. Results with the same seed
-    and steps have the same numbers.
+    and steps contain the same numbers.
 
     Examples
     --------

@@ -392,11 +392,11 @@ def test_what_a_series_of_heights_does_not_tell_is_said(series):
         (calibrations, FOCUS[:3], "positions: must be 4 finite numbers, one for each recording"),
         (calibrations[:2], [0.0, math.nan], "positions: must be 2 finite numbers"),
         ([volts], [0.0], "no recording determines the drag: each is in volts without a drive"),
-        ([heavy], [0.0], "without fluid inertia; omit the density of the fluid"),
+        ([heavy], [0.0], "without fluid inertia; omit the fluid density"),
     ):
         with pytest.raises(tweezer.ResultError, match=why):
             tweezer.find_wall(wrong, places, **bead)
-    with pytest.raises(tweezer.ResultError, match=r"1 positions with a drag .* must be 2 or more"):
+    with pytest.raises(tweezer.ResultError, match=r"1 positions have a drag .* must be 2 or more"):
         tweezer.find_wall(calibrations[:1], [0.0], radius=RADIUS)
     with pytest.raises(tweezer.ResultError, match=r"shift = 0: must be positive"):
         tweezer.find_wall(calibrations, FOCUS, **bead, shift=0)

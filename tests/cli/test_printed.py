@@ -74,7 +74,7 @@ def test_a_warning_is_one_line(command_line):
     asked = ["run", "thesis-990nm", "--duration", "1 us", "--set", "simulation.samples=3"]
     short = command_line(*asked).caveat
     assert short == (
-        "warning: the bead is 1.6 wavelengths across: ray optics is off by up to 78 % of the "
+        "warning: the bead is 1.6 wavelengths across: ray optics is wrong by up to 78 % of the "
         "largest force (--details: more)\n"
     )
     whole = command_line(*asked, "--details").caveat

@@ -201,7 +201,7 @@ def test_several_beams_are_written_and_refused_as_they_are_counted():
     undone = weaker.replace(**{"beam[2]": {"power_through_pupil": ONE.beam.power_through_pupil}})
     assert undone.beams[1] == ONE.beam
     assert "beam[2].power =" not in undone.title
-    assert "  light    150 mW at 1064 nm, 3 beams; computed as waves" in repr(three)
+    assert "  light    150 mW at 1064 nm, 3 beams; wave optics" in repr(three)
     assert repr(three).endswith("  changed  3 beams")
     for scene, key, said in (
         (three, "beam.power", r"beam\.power: does not name a beam; the scene has 3 beams, "),

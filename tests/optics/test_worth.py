@@ -172,7 +172,7 @@ def test_a_bubble_that_rays_do_not_trap_has_errors_of_its_force_alone():
     assert worth.stiffness_across is None
     assert 0 < worth.force_inside[0] < worth.force_inside[1] < 1
     caveat = ray_optics_caveat(bubble)
-    assert f"off by up to {100 * worth.force_inside[1]:.2g} % with the focus inside" in caveat
+    assert f"wrong by up to {100 * worth.force_inside[1]:.2g} % with the focus inside" in caveat
     assert "stiffness" not in caveat
 
 
@@ -184,7 +184,7 @@ def test_the_way_out_is_said():
     )
     large = silica().replace(bead={"diameter": 40e-6}, optics={"theory": "auto"})
     large = large.replace(start={"position": [0.0, 0.0, 0.0]})
-    assert f"{exact}, and 'auto' took rays only as the size" in ray_optics_caveat(large)
+    assert f"{exact}; 'auto' selected ray optics because the size" in ray_optics_caveat(large)
 
 
 def test_waves_are_not_advised_where_they_are_not_computed():
@@ -194,8 +194,8 @@ def test_waves_are_not_advised_where_they_are_not_computed():
     near, far = (silica().replace(simulation={"loss_distance": s * ends}) for s in (0.99, 1.01))
     assert ray_optics_caveat(near).endswith(exact)
     assert ray_optics_caveat(far).endswith(
-        f"waves cannot reach as far as simulation.loss_distance: they are computed up to "
-        f"{ends:.3g} m from the focus"
+        f"wave optics is available up to {ends:.3g} m from the focus, less than "
+        "simulation.loss_distance"
     )
     with pytest.raises(tweezer.SceneError, match=r"set a smaller .*_distance or optics\.th"):
         tweezer.optical_force(far.replace(optics={"theory": "waves"}), np.zeros(3))
@@ -204,7 +204,7 @@ def test_waves_are_not_advised_where_they_are_not_computed():
     assert ray_optics_caveat(large).endswith(f"for beads up to {0.08 * ends:.3g} m in radius")
     # a ball over a weak lens floats far from the focus
     ball = with_aperture(0.02).replace(bead={"diameter": "20 um"})
-    assert f"{exact} up to {ends:.3g} m from the focus" in ray_optics_caveat(ball)
+    assert f"{exact}, and available up to {ends:.3g} m from the focus" in ray_optics_caveat(ball)
 
 
 def test_the_exact_force_has_no_caveat():

@@ -233,7 +233,7 @@ def test_a_scene_is_shown_in_short(scene):
             "Scene of thesis-990nm\n"
             "  bead    0.99 µm, index 1.5777, 1050 kg/m³\n"
             "  medium  index 1.33, 1.002 mPa·s, 293.15 K\n"
-            "  light   156 mW at 800 nm; computed as rays (optics.theory = 'rays')\n"
+            "  light   156 mW at 800 nm; ray optics (optics.theory = 'rays')\n"
             "  start   0, -2.045, -4.05 µm from the focus\n"
             "  forces  optical, gravity, buoyancy\n"
             "  run     12 ms, 2001 samples"

@@ -1,4 +1,4 @@
-"""The force of focused light on the bead: of rays or of waves."""
+"""The force of focused light on the bead, by ray optics or wave optics."""
 
 from tweezer.optics.beam import (
     Cone,

@@ -43,8 +43,8 @@ class Cone:
     power: float
     """W, through the pupil"""
     deviation: float
-    """largest difference between the series and the beam's profile, as a part of the largest
-    radiance; the series of a table may be negative by as much"""
+    """largest difference between the series and the beam's profile, relative to the largest
+    radiance; the series of a table may be negative by this amount"""
     shape: Profile
     """power per solid angle, 1/sr, of 1 W, at 1 - cos(theta): the same to full accuracy where it is
     small; of a table, the series where it is positive"""
@@ -76,7 +76,7 @@ def _nodes() -> tuple[Array, Array]:
 
 
 def cone(scene: Scene) -> Cone:
-    """Return the cone of light of `scene`; a dark one if it has no light.
+    """Return the cone of light of `scene`, with zero power if it has no light.
 
     A ring of the pupil carries I(rho) 2 pi rho drho (3.3)-(3.5) into the polar angle theta(rho) of
     the lens map. The power per solid angle is therefore I rho (drho/dtheta)/sin(theta). This is
@@ -98,7 +98,7 @@ def cone(scene: Scene) -> Cone:
 
 
 def total_power(lens: Lens, beam: Beam) -> float:
-    """Return the power P_t of (3.4), W: as given, or from the given power through the pupil.
+    """Return the power P_t of (3.4), W, as given or from the power through the pupil.
 
     Raises `SceneError` as `fraction_through_pupil`.
     """
@@ -109,7 +109,7 @@ def total_power(lens: Lens, beam: Beam) -> float:
 
 
 def fraction_through_pupil(lens: Lens, beam: Beam) -> float:
-    """Return the part of the beam's power that passes the pupil of radius R.
+    """Return the fraction of the beam's power that passes the pupil of radius R.
 
     With t = R^2/(2 sigma^2) a Gaussian has 1 - exp(-t). A beam of intensity t^n exp(-t) has the
     incomplete gamma function P(n + 1, t). For a Gaussian beam with a vortex, which is

@@ -37,7 +37,7 @@ class Beams(Sum):
 
     forces: tuple[Moved, ...]
     lights: tuple[LightForce, ...]
-    """of each beam, about its own focus"""
+    """light of each beam, relative to its own focus"""
 
     symmetric: ClassVar[bool] = False
     """whether the force is the same all around one axis"""
@@ -154,9 +154,9 @@ def _stairs(times: Array, values: Array, before: Array) -> tuple[Array, Array]:
 def light_of_one_beam(scene: Scene) -> LightForce:
     """Return the force of the light of a scene's only beam.
 
-    The map is computed unless the user's cache folder contains it (`force_map`). Warns once
-    (`PhysicsWarning`) how far ray optics is valid (`ray_optics_warning`). Also warns if the series
-    of a beam's table deviates from it by more than 0.1 % of the peak.
+    The map is computed unless the user's cache folder contains it (`force_map`). A `PhysicsWarning`
+    reports once how accurate ray optics is (`ray_optics_warning`). Also warns if the series of a
+    beam's table deviates from it by more than 0.1 % of the peak.
     """
     if scene.theory == "rays" and (warning := ray_optics_warning(scene)) is not None:
         _warn_once(f"{warning}; tweezer.optics.ray_optics_caveat(scene) says more")
@@ -195,11 +195,11 @@ class Dark(LightForce):
 def force_map(scene: Scene, progress: Progress | None = None) -> Table:
     """Return the force table of a scene's light, from the user's cache folder or computed.
 
-    A computed table is stored there. It reaches `optics.table_range` from the focus. Its tolerance
-    is `optics.table_tolerance` times the largest force there. `progress` is called with the
-    finished part, 0 to 1, while it is computed. A second process that needs the same table waits
-    for the first. One table serves every power of the light, and all scenes that differ only in
-    scale; with wave optics the wavelength is scaled too.
+    A computed table is stored in this folder. It extends to `optics.table_range` from the focus.
+    Its tolerance is `optics.table_tolerance` times the largest force within this range. `progress`
+    is called with the finished fraction, 0 to 1, during the computation. A second process that
+    needs the same table waits for the first. One table serves every power of the light, and all
+    scenes that differ only in scale; with wave optics the wavelength is scaled too.
 
     Raises `SceneError` for a scene without light, or for linear polarisation of rays. Warns
     (`PhysicsWarning`) if the tolerance is not reached; `Table.certified_error` is the actual bound.

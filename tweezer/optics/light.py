@@ -1,4 +1,4 @@
-"""The light of one beam on a bead, and the contract of its force."""
+"""The light of one beam on a bead, and the interface of its force."""
 
 from __future__ import annotations
 
@@ -50,13 +50,13 @@ class Light(ABC):
     @property
     @abstractmethod
     def search(self) -> Search:
-        """Lengths by which the force is searched for zeros and largest values."""
+        """Lengths that control the search for zeros and largest values of the force."""
 
     def reach(self, depth: float, least: float) -> float:
         """Return the distance to which the force is searched, m, at least `least`.
 
-        It is five times the length of the light. This is the distance at which the light is as wide
-        as the bead, plus the depth of focus, m, if its theory has one.
+        It is five times the length of the light: the distance at which the beam is as wide as the
+        bead, plus the depth of focus with wave optics.
         """
         return max(least, LENGTHS * (self.radius / self.cone.spread + depth))
 
@@ -90,10 +90,10 @@ class LightForce(Force):
     """the light, and the sphere it falls on"""
 
     scales: ClassVar[bool] = False
-    """whether the force depends on positions in radii of the bead alone, as in ray optics"""
+    """whether the force depends only on the position in bead radii, as in ray optics"""
     smooth: ClassVar[bool] = True
-    """whether the force is the one of continuous light; a sum over a grid of rays jumps, and far
-    from the focus a few rays push a bead with a force that does not fade"""
+    """whether the force is that of continuous light. A sum over a grid of rays has jumps, and far
+    from the focus a few rays exert a force that does not decrease"""
 
     def field(
         self,
@@ -105,7 +105,7 @@ class LightForce(Force):
     ) -> Wrench:
         """Return force and moment at positions of the bead; see `Force.field`.
 
-        The bound kernel is kept, because to look it up takes as long as the force.
+        The bound kernel is kept, because looking it up takes as long as computing the force.
 
         Parameters
         ----------

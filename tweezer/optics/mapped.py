@@ -63,7 +63,7 @@ class Mapped(LightForce):
         return wrench
 
     def absorbed_power(self, positions: Array) -> Array:
-        """Return the power that the bead absorbs, (n,) W, by quadrature: it is not tabled."""
+        """Return the power that the bead absorbs, (n,) W, by quadrature, as it is not tabulated."""
         return self.outside.absorbed_power(positions)
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:

@@ -1,4 +1,4 @@
-"""The light of a scene at positions of its bead, with positions checked and quantities named."""
+"""The light of a scene at positions of its bead, with checks of the positions."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _ROUNDED = 1e-3
 
 
 def light(scene: SceneLike) -> SceneLight:
-    """Return the light of a scene, to evaluate at positions of the bead.
+    """Return the light of a scene, which can be evaluated at positions of the bead.
 
     Parameters
     ----------
@@ -81,13 +81,13 @@ class SceneLight:
         -------
         xarray.Dataset
             Over `place`, or over `place_0`, `place_1` and so on for positions of more dimensions.
-            Positions in xarray whose last dimension is `axis`, such as those of a run, keep the
-            dimensions and coordinates that they have.
+            If the positions are an xarray object whose last dimension is `axis`, as in a run, the
+            result has the same dimensions and coordinates.
 
             * force: force of the light (3.26), N, over `axis`
-            * torque: moment of the light about the bead's centre, N m, over `axis`
-            * gradient: derivative of the force over the position, N/m, over `axis` of the force
-              and `along` of the position
+            * torque: torque of the light about the bead's centre, N m, over `axis`
+            * gradient: derivative of the force with respect to the position, N/m, over `axis` of
+              the force and `along` of the position
             * force_error: error of the force, N; see `optical_force_error`
             * absorbed_power: power of the light that the bead absorbs, W
 
@@ -312,9 +312,8 @@ def optical_force_error(
 ) -> Array:
     """Return the error of the force of the light on the bead.
 
-    It is the estimate of the quadrature, the bound that the map certifies, or the difference
-    between the thesis's grid and the quadrature. Errors of the theory of the light are not
-    included.
+    It is the estimate of the quadrature, the certified bound of the force map, or the difference
+    between the thesis's grid and the quadrature. The error of ray optics is not included.
 
     Parameters
     ----------
@@ -352,13 +351,13 @@ def optical_jacobian(
     *,
     time: QuantityLike = 0.0,
 ) -> Array:
-    """Return the derivative of the force over the position.
+    """Return the derivative of the force with respect to the position.
 
     For a body that is not a sphere it is the derivative of force and torque over position and
     rotation. It is not symmetric, because the force of light has no potential.
 
-    The sum over the grid's rays jumps where a ray begins or ceases to hit the bead. The derivative
-    leaves the jumps out.
+    The sum over a grid of rays jumps where a ray begins or ceases to hit the bead. The derivative
+    does not include these jumps.
 
     Parameters
     ----------
@@ -409,12 +408,12 @@ def optical_torque(
     *,
     time: QuantityLike = 0.0,
 ) -> Array:
-    """Return the moment of the light about the bead's centre, in the inertial frame.
+    """Return the torque of the light about the bead's centre, in the inertial frame.
 
-    It is zero for a sphere that absorbs nothing: every ray leaves it with the impact parameter with
-    which it came, and every wave with its angular momentum. An absorbing sphere takes the angular
-    momentum of the light that it absorbs. Bodies of other shapes are turned by scattering too. With
-    `beam.torque = "thesis"` the result is the moment (3.25).
+    It is zero for a lossless sphere: every ray keeps its impact parameter, and every wave its
+    angular momentum. An absorbing sphere takes up the angular momentum of the light that it
+    absorbs. Bodies of other shapes are turned by scattering too. With `beam.torque = "thesis"` the
+    result is the moment (3.25).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The force of light at places that scenes of many powers share."""
+"""The force of light at positions that scenes with different powers share."""
 
 from __future__ import annotations
 

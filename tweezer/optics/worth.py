@@ -55,28 +55,29 @@ RATIOS = (
 class RayOpticsWorth:
     """Ratios of wave optics to ray optics for beads and light like those of a scene.
 
-    A range is the smallest and the largest value among beads of 0.7 to 1.4 times the size, at the
-    nearest apertures and indices of the table on both sides of the scene's, widened by a tenth.
-    None: the two were not compared there (n_P below 0.7 or above 1.9 n_m), or, except for the
-    errors of the force, one of them has no trap.
+    A range extends from the smallest to the largest value among beads of 0.7 to 1.4 times the size,
+    at the apertures and indices of the table next to the scene's, and is widened by a tenth. It is
+    None if the theories were not compared for this index (n_P below 0.7 or above 1.9 n_m). Except
+    for the errors of the force, it is also None if one of the theories has no trap.
     """
 
     wavelengths: float
     """the bead's diameter in wavelengths in the medium"""
     focal_spot: float
-    """2 lambda/(pi NA), m: the diameter of a Gaussian beam's waist. NA = n_m sqrt(2 <sin^2 theta>),
-    averaged over the light's power: that of the lens if its pupil is evenly lit"""
+    """2 lambda/(pi NA), m, the waist diameter of a Gaussian beam. NA = n_m sqrt(2 <sin^2 theta>),
+    averaged over the power of the light, is the lens's NA if its pupil is evenly lit"""
     focal_spots: float
     """the bead's diameter in focal spots"""
     force_inside_rms: Range | None
-    """error of the force of rays as a part of the largest that they give: root of its mean square
-    over the places where the focus is within 0.7 radii of the bead's centre"""
+    """root mean square error of the force by ray optics, relative to its largest value, where the
+    focus is within 0.7 radii of the bead's centre"""
     force_inside: Range | None
-    """largest error there"""
+    """largest error, relative to the same value, where the focus is within 0.7 radii of the
+    centre"""
     force_at_edge: Range | None
-    """largest error where the focus is 0.7 to 1.6 radii from the centre"""
+    """largest relative error where the focus is 0.7 to 1.6 radii from the centre"""
     equilibrium_shift: Range | None
-    """z of the equilibrium by waves minus that by rays, m"""
+    """z of the equilibrium by wave optics minus z by ray optics, m"""
     stiffness_across: Range | None
     """ratio of k_xx and k_yy"""
     stiffness_along: Range | None
@@ -88,10 +89,10 @@ class RayOpticsWorth:
     escape_backward: Range | None
     """ratio of the force of `Escape` along -z"""
     trapped: float | None
-    """fraction of the traps of ray optics that are traps of wave optics"""
+    """fraction of the traps predicted by ray optics that exist in wave optics"""
     trusted: bool
-    """whether ray optics is meaningful: the bead is larger than a wavelength in the medium and than
-    the focal spot, and wave optics has a trap too"""
+    """whether ray optics is meaningful: the bead is larger than both the wavelength in the medium
+    and the focal spot, and wave optics predicts a trap too"""
 
     @property
     def size(self) -> str:
@@ -106,7 +107,7 @@ class RayOpticsWorth:
         if self.force_inside is None or self.force_at_edge is None:
             return "not compared with wave optics"
         largest = max(self.force_inside, self.force_at_edge, key=lambda errors: errors[1])
-        return f"off by up to {_percent(largest)} of the largest force"
+        return f"wrong by up to {_percent(largest)} of the largest force"
 
     @property
     def in_short(self) -> str:
@@ -128,15 +129,15 @@ class RayOpticsWorth:
 def ray_optics_worth(scene: Scene) -> RayOpticsWorth | None:
     """Return the validity of ray optics for the bead and the light of `scene`.
 
-    There is no result (None) without light, or where the light is computed as waves.
+    The result is None without light, or if the scene uses wave optics.
 
     The exact force is computed for unpolarised plane waves in phase at the focus (Debye's
     integral), scattered by a sphere (Mie). It oscillates with the bead's size, and only its average
     over sizes tends to ray optics (Mazolli, Maia Neto and Nussenzveig, Proc. R. Soc. A 459, 3021,
     2003). For beads outside the table's 0.25 to 32 wavelengths, and apertures outside its range,
     the ratios at its border are used. If there are several beams, the first is compared as if it
-    were alone; beams that face each other were not compared. In linear light the exact stiffness
-    also differs along x and y, by a third for beads of about a wavelength.
+    were alone; counter-propagating beams were not compared. In linearly polarised light the exact
+    stiffnesses along x and y also differ, by a third for beads of about a wavelength.
     """
     if not scene.lit or scene.theory == "waves":
         return None
@@ -169,7 +170,7 @@ def _facing(scene: Scene) -> bool:
 def ray_optics_caveat(scene: Scene) -> str | None:
     """Return the validity of ray optics in one sentence, with the way to the exact force.
 
-    Returns None without light, and where the light is computed as waves.
+    Returns None without light, or if the scene uses wave optics.
     """
     worth = ray_optics_worth(scene)
     if worth is None:
@@ -183,7 +184,7 @@ def ray_optics_caveat(scene: Scene) -> str | None:
         parts.append(f"ray optics was not compared with wave optics for {of}")
     else:
         parts.append(
-            "of the largest force, ray optics is off by up to "
+            "relative to the largest force, ray optics is wrong by up to "
             f"{_percent(worth.force_inside)} with the focus inside the bead, "
             f"{_percent(worth.force_at_edge)} where the light grazes it"
         )
@@ -197,7 +198,9 @@ def ray_optics_caveat(scene: Scene) -> str | None:
             f"{between(worth.escape_forward)} times forward"
         )
         if worth.trapped < 1:
-            parts.append(f"to {100 * (1 - worth.trapped):.0f} % of like beads it gives no trap")
+            parts.append(
+                f"it predicts no trap for {100 * (1 - worth.trapped):.0f} % of similar beads"
+            )
     if not worth.trusted:
         parts.append("the trap of ray optics is not to be trusted")
     return "; ".join([*parts, _way_out(scene)])
@@ -206,7 +209,7 @@ def ray_optics_caveat(scene: Scene) -> str | None:
 def ray_optics_warning(scene: Scene) -> str | None:
     """Return the validity of ray optics in one line of about 90 characters.
 
-    Returns None without light, and where the light is computed as waves.
+    Returns None without light, or if the scene uses wave optics.
     """
     worth = ray_optics_worth(scene)
     if worth is None:
@@ -215,7 +218,7 @@ def ray_optics_warning(scene: Scene) -> str | None:
 
 
 def _way_out(scene: Scene) -> str:
-    """Return a clause on how to compute the exact force for a scene, or why it is not possible."""
+    """Return a clause on how to compute the exact force for a scene, or why this is impossible."""
     if (reason := no_waves(scene.optics, scene.beams)) is not None:
         return reason
     if (reason := _too_far_for_waves(scene)) is not None:
@@ -223,24 +226,24 @@ def _way_out(scene: Scene) -> str:
     exact = "optics.theory = 'waves' is exact"
     farthest = FARTHEST_IN_WAVES / largest_wavenumber(scene.medium, scene.beams)
     if LENGTHS * scene.bead.radius / cone(scene).spread > farthest:
-        exact += f" up to {farthest:.3g} m from the focus, and not computed beyond"
+        exact += f", and available up to {farthest:.3g} m from the focus"
     if scene.optics.theory == "auto":
-        return f"{exact}, and 'auto' took rays only as {scene.theory_reason}"
+        return f"{exact}; 'auto' selected ray optics because {scene.theory_reason}"
     return exact
 
 
 def _too_far_for_waves(scene: Scene) -> str | None:
-    """Return why the sums of waves do not reach the bead of a scene; None if they do."""
+    """Return why wave optics is not available for the bead of a scene; None if it is."""
     wavenumber = largest_wavenumber(scene.medium, scene.beams)
     largest, farthest = LARGEST_IN_WAVES / wavenumber, FARTHEST_IN_WAVES / wavenumber
     if scene.bead.radius > largest:
-        return f"waves are computed for beads up to {largest:.3g} m in radius"
+        return f"wave optics is available for beads up to {largest:.3g} m in radius"
     aside = max(float(np.linalg.norm(beam.position)) for beam in scene.beams)
     # a start lies within it
     if scene.simulation.loss_distance + aside > farthest:
         return (
-            "waves cannot reach as far as simulation.loss_distance: they are computed up to "
-            f"{farthest:.3g} m from the focus"
+            f"wave optics is available up to {farthest:.3g} m from the focus, less than "
+            "simulation.loss_distance"
         )
     return None
 
@@ -249,7 +252,7 @@ def worth_attributes(scene: Scene) -> dict[str, str]:
     """Return the attributes of results that describe the theory of the light of `scene`.
 
     They are the theory and the reason for it, the validity of ray optics as a sentence, and
-    `RayOpticsWorth` as JSON ("null" if the light is computed as waves).
+    `RayOpticsWorth` as JSON ("null" with wave optics).
     """
     worth = ray_optics_worth(scene)
     return {

@@ -66,7 +66,7 @@ class Scene(Description):
                 f"{bead.density:.5g} kg/m^3"),
             Row("medium", f"index {medium.refractive_index:.5g}, {viscosity}, "
                 f"{medium.temperature:.5g} K"),
-            Row("light", f"{light}; computed as {self.theory} ({self.theory_reason})"
+            Row("light", f"{light}; {self.theory.removesuffix('s')} optics ({self.theory_reason})"
                 if self.lit else "none"),
             Row("start", f"{start} um from the focus"),
             Row("forces", ", ".join(acting) or "none"),

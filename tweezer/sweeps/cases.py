@@ -84,7 +84,7 @@ class Cases:
     def settings(self, index: int) -> dict[str, str]:
         """Return the keys and values of a case, as arguments for `tweezer.scene.with_settings`.
 
-        `index` is the number of the case among all combinations.
+        `index` is the index of the case among all combinations.
         """
         places = np.unravel_index(index, self.shape)
         return {
@@ -94,7 +94,7 @@ class Cases:
         }
 
     def by_light(self) -> list[list[int]]:
-        """Return the numbers of the cases, in groups that differ only in the power of the light."""
+        """Return the indices of the cases, in groups that differ only in the power of the light."""
         numbers = np.arange(self.count).reshape(self.shape)
         powers = [
             i for i, axis in enumerate(self.axes) if all(map(_is_a_power, axis.varied))
@@ -130,7 +130,7 @@ def cases_of(
     """Return the cases of a sweep: every combination of keys in `over` and rows of `table`.
 
     `over` contains keys with their values, and `table` has keys that vary together, row by row.
-    Raises `SceneError` for keys that no scene has, and for invalid values.
+    Raises `SceneError` for unknown keys and invalid values.
     """
     if hasattr(over, "columns") or hasattr(over, "data_vars"):
         if table is not None:

@@ -84,7 +84,7 @@ class Journal:
         return kept
 
     def take(self, case: int, values: Values) -> None:
-        """Record the values of a finished case, by its number."""
+        """Record the values of a finished case, by its index."""
         self.done[case] = values
         if self._out is not None:
             with telling(self._out):

@@ -57,7 +57,7 @@ def tasks_of(cases: Cases, of: str, left: set[int], workers: int) -> list[Task]:
     of : str
         Kind of sweep.
     left : set of int
-        Numbers of the unfinished cases.
+        Indices of the unfinished cases.
     workers : int
         Number of workers, on which the size of a task depends.
     """
