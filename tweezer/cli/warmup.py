@@ -23,7 +23,7 @@ _MOMENT = 1e-8
 def usual_scenes(scene: Scene) -> list[Scene]:
     """Return a shipped scene with its usual variants: thermal motion with forces from a map.
 
-    A scene with the thesis's grid also has the variant with the moment (3.25), which `tweezer
+    A scene with the thesis's grid also has the variant with the torque (3.25), which `tweezer
     reproduce` runs and in which the bead rotates. Its thermal motion from the map is unscaled.
     """
     thermal = {"forces": {"brownian": True}, "optics": {"evaluator": "map"}}

@@ -142,7 +142,7 @@ class EquationsOfMotion(Shown):
         def rates(params: Array, y: Array, pushed: int | None = None) -> Array:
             """Return the emitted rates of the velocities in a state y.
 
-            pushed: index of a force or moment component that is 1, the others being 0; None for no
+            pushed: index of a force or torque component that is 1, the others being 0; None for no
             force.
             """
             wrench, out = np.zeros(6), np.empty(self._size)
@@ -409,7 +409,7 @@ class EquationsOfMotion(Shown):
         return evaluate
 
     def _curvatures(self, time: float, position: Array, force: Array) -> dict[str, Array]:
-        """Return the rates of change of the force and moment gradients along (F + W)/beta_v.
+        """Return the rates of change of the force and torque gradients along (F + W)/beta_v.
 
         Each is (3, 3), a central difference. Only the Jacobian of the first-order model needs them,
         and this accuracy is enough for an implicit solver. `time` is in s, `position` (3,) in m and
@@ -445,7 +445,7 @@ class EquationsOfMotion(Shown):
         }
 
     def _release_inputs(self) -> tuple[Array, ...]:
-        """Return the inputs of emitted functions of the release: its state, force and moment,
+        """Return the inputs of emitted functions of the release: its state, force and torque,
         parameters.
         """
         at = self.problem.field(np.array([self.scene.start_position]))

@@ -92,7 +92,7 @@ def _started(scene: Scene, folder: Path) -> subprocess.Popen[bytes]:
 
 def compile_for_model_error(scene: Scene) -> None:
     """Compile the code for the model error of a run, by integrating the unscaled equations for a
-    moment.
+    torque.
     """
     problem, _ = decided(bound_once(scene))
     compared = unscaled(problem)

@@ -36,7 +36,7 @@ class Mobility(NamedTuple):
 
     value: Array
     """(n, 5): parallel and perpendicular to a wall across N3, s/kg; turn, across N3, and spin,
-    about it, 1/(N m s); roll, the velocity along N1 by a moment about N2, 1/(N s)"""
+    about it, 1/(N m s); roll, the velocity along N1 by a torque about N2, 1/(N s)"""
     gradient: Array
     """(n, 5, 3) gradients with respect to the position, per m; (0, 5, 3) if not requested"""
 

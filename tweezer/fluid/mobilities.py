@@ -19,10 +19,10 @@ cache_functions(wall)
 
 #: What each of them is of
 _MEANINGS = {
-    "perpendicular": "velocity across the wall by a force",
-    "parallel": "velocity along the wall by a force",
-    "spin": "angular velocity about the wall's normal by a moment",
-    "turn": "angular velocity about an axis along the wall by a moment",
+    "perpendicular": "velocity across the wall due to a force",
+    "parallel": "velocity along the wall due to a force",
+    "spin": "angular velocity about the wall's normal due to a torque",
+    "turn": "angular velocity about an axis along the wall due to a torque",
     "roll": "radius times angular velocity, over velocity, of a bead pulled along the wall",
 }
 

@@ -116,7 +116,7 @@ def _try(force: Force, places: Array, duration: float) -> None:
 
 
 def check_numbers(force: Force, found: Wrench) -> None:
-    """Raise `ForceError` unless the force, moment and gradients `found` of a force are finite."""
+    """Raise `ForceError` unless the force, torque and gradients `found` of a force are finite."""
     if not all(np.isfinite(values).all() for values in found[:4]):
         raise ForceError(fault_of(force) or f"{name_of(force)}: the force is not finite")
 

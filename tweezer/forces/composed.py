@@ -50,7 +50,7 @@ class Sum(Force):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """Return force and moment at positions, the sum over the parts.
+        """Return force and torque at positions, the sum over the parts.
 
         Parameters
         ----------
@@ -66,7 +66,7 @@ class Sum(Force):
         Returns
         -------
         Wrench
-            Force, moment, their gradients and the error of the force.
+            Force, torque, their gradients and the error of the force.
         """
         wrench = no_wrench(len(positions), gradient=gradient)
         for each in self.forces:

@@ -112,7 +112,7 @@ class Force(ABC):
         Returns
         -------
         Wrench
-            Force, moment, their gradients and the error of the force. A force without a moment
+            Force, torque, their gradients and the error of the force. A force without a torque
             returns zeros for it.
         """
         if self.oriented and orientations is None:

@@ -222,7 +222,7 @@ def _add_guarded(pose, data, wrench):  # type: ignore[no-untyped-def]
     while begin < n:
         m = min(most, n - begin)
         g = m if gradients > 0 else 0
-        # force, moment, error, gradients of force and moment, one after the other in `memory`
+        # force, torque, error, gradients of force and torque, one after the other in `memory`
         of_error, of_gradient, used = 6 * m, 7 * m, 7 * m + 18 * g
         for i in range(used):
             memory[i] = 0.0

@@ -244,7 +244,7 @@ def first_look(function: Any, data: Data, *, gradient: bool, turns: bool) -> str
     gradient : bool
         Whether the function sets force gradients.
     turns : bool
-        Whether the force exerts a moment.
+        Whether the force exerts a torque.
 
     Returns
     -------

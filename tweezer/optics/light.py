@@ -103,7 +103,7 @@ class LightForce(Force):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """Return force and moment at positions of the bead; see `Force.field`.
+        """Return force and torque at positions of the bead; see `Force.field`.
 
         The bound kernel is kept, because looking it up takes as long as computing the force.
 
@@ -191,7 +191,7 @@ def error_by(certain: Force, positions: Array, field: Wrench, time: float | Arra
     positions : ndarray, shape (n, 3)
         Positions from the focus, m.
     field : Wrench
-        Force and moment at these positions.
+        Force and torque at these positions.
     time : float or ndarray, shape (n,)
         Time, s.
     """

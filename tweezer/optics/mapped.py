@@ -35,7 +35,7 @@ class Mapped(LightForce):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """Return force and moment at positions of the bead; see `Force.field`.
+        """Return force and torque at positions of the bead; see `Force.field`.
 
         The quadrature is compiled only if a position is out of the table's range.
 

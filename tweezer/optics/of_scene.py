@@ -113,7 +113,7 @@ class SceneLight:
         over, coordinates = _before_axis(positions, places)
         described = {
             "force": (wrench.force, "N", "force of the light"),
-            "torque": (wrench.moment, "N m", "moment of the light about the bead's centre"),
+            "torque": (wrench.moment, "N m", "torque of the light about the bead's centre"),
             "gradient": (wrench.force_gradient, "N/m", "derivative of the force over the position"),
             "force_error": (self._error(places, wrench, time), "N", "error of the force"),
             "absorbed_power": (
@@ -191,7 +191,7 @@ class SceneLight:
     def _wrench(
         self, places: Array, time: float, turned: Array | None = None, *, gradient: bool = False
     ) -> Wrench:
-        """Return force and moment at positions (..., 3), m, of which n follow in one list.
+        """Return force and torque at positions (..., 3), m, of which n follow in one list.
 
         time: s. turned: Euler parameters (n, 4). gradient: compute gradients too. Warns where the
         error exceeds the tolerance.
@@ -413,7 +413,7 @@ def optical_torque(
     It is zero for a lossless sphere: every ray keeps its impact parameter, and every wave its
     angular momentum. An absorbing sphere takes up the angular momentum of the light that it
     absorbs. Bodies of other shapes are turned by scattering too. With `beam.torque = "thesis"` the
-    result is the moment (3.25).
+    result is the torque (3.25).
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ class Evaluate(Protocol):
     """Type of the function that a table interpolates: `LightForce.field`, in the table's units."""
 
     def __call__(self, positions: Array) -> Wrench:
-        """Return force, moment and estimated error at positions (n, 3)."""
+        """Return force, torque and estimated error at positions (n, 3)."""
 
 
 class Made(Protocol):

@@ -11,7 +11,7 @@ from tweezer.compiled import named_njit
 def put(found, cosine, sine, gradient, moment, at, wrench):  # type: ignore[no-untyped-def]
     """Add the force on one bead to row `at` of a `Wrench`, turned about z into the scene's frame.
 
-    `found` (24,) are force, moment and their gradients, row by row, with the bead in the plane
+    `found` (24,) are force, torque and their gradients, row by row, with the bead in the plane
     y = 0. The bead's azimuth has this `cosine` and `sine`. Gradients and moments are added if
     `gradient` and `moment` are true.
     """

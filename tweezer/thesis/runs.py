@@ -29,7 +29,7 @@ THEORIES = ("rays", "waves")
 #: Settings for wave optics, tabulated up to the loss distance
 _WAVES = {"theory": "waves", "evaluator": "map", "table_range": "5 um"}
 
-#: Settings for light averaged over both polarisations, without the moment (3.25)
+#: Settings for light averaged over both polarisations, without the torque (3.25)
 _UNPOLARISED = {"polarisation": "unpolarised", "torque": "none"}
 
 #: Relative tolerance of the unscaled motion; at the thesis's 1e-7 a bead at rest would jitter
@@ -51,11 +51,11 @@ class Motions:
     """one of `THEORIES`"""
     thesis: xr.Dataset
     """run of the scaled model (4.17) with the printed a2, by Dormand-Prince, without noise; the
-    light consists of 7644 rays with their moment (3.25), or of waves"""
+    light consists of 7644 rays with their torque (3.25), or of waves"""
     thesis_thermal: xr.Dataset
     """the scaled model with thermal force and torque, in steps with exact drag and noise"""
     unscaled: xr.Dataset
-    """run of the full model (A.25) without noise, with the integral over the lens and no moment of
+    """run of the full model (A.25) without noise, with the integral over the lens and no torque of
     the light"""
     unscaled_thermal: xr.Dataset
     """the full model with thermal force and torque"""
@@ -102,7 +102,7 @@ def in_the_light(scene: Scene, theory: str) -> Scene:
 def thesis_scene(bead: str, theory: str = "rays") -> Scene:
     """Return the scene of a bead of `BEADS` in the thesis's model, with its a2 and its light.
 
-    With the theory "rays" the light consists of 7644 rays with the moment (3.25). With the other
+    With the theory "rays" the light consists of 7644 rays with the torque (3.25). With the other
     theory of `THEORIES` the force is computed by wave optics at each position, without a map.
     """
     scene = load_scene(f"thesis-{bead}")
@@ -114,7 +114,7 @@ def thesis_scene(bead: str, theory: str = "rays") -> Scene:
 def unscaled_scene(bead: str, theory: str = "rays") -> Scene:
     """Return the scene of a bead of `BEADS` without the thesis's approximations.
 
-    These are the scaling, the grid of rays, and the moment (3.25), which light does not exert on a
+    These are the scaling, the grid of rays, and the torque (3.25), which light does not exert on a
     lossless sphere. `theory` is one of `THEORIES`.
     """
     return in_the_light(load_scene(f"thesis-{bead}"), theory).replace(

@@ -90,7 +90,7 @@ class Beads(NamedTuple):
     pose: Pose
     """time, position and orientation of n beads, as the force reads them"""
     wrench: Wrench
-    """force and moment on n beads; as `pose`, in memory that has room for w"""
+    """force and torque on n beads; as `pose`, in memory that has room for w"""
     resisted: Mobility
     """mobilities where the force was last evaluated; empty for a uniform drag"""
 
@@ -145,7 +145,7 @@ def beads(
 def slow_velocities(force, plan, beads, time, place, out):  # type: ignore[no-untyped-def]
     """Fill `out` (dims, w) with the slow velocities (F + W)/beta_v and M/beta_w of all beads.
 
-    F, W and M are force, weight and moment; beta_v and beta_w are the drag. `time` is in s, and
+    F, W and M are force, weight and torque; beta_v and beta_w are the drag. `time` is in s, and
     `place` are positions (dims, w) in m. `beads.pose` and `beads.wrench` are overwritten.
     """
     pose, wrench = beads.pose, beads.wrench

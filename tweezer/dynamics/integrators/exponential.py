@@ -149,7 +149,7 @@ class Relaxation(NamedTuple):
     kernel is 0 if the force is smooth everywhere
     """
     response: Array
-    """(3,) or (6,) mobilities: slow velocity over force, s/kg, and angular velocity over moment,
+    """(3,) or (6,) mobilities: slow velocity over force, s/kg, and angular velocity over torque,
     1/(N m s)
     """
     drift: Array
@@ -910,7 +910,7 @@ def loop() -> Any:
 def _spin(how, work):  # type: ignore[no-untyped-def]
     """Fill `work.powers[3:]` with the U_m of the slow angular velocity by the moments at the nodes.
 
-    The moments in `work.moment` are overwritten by moment times mobility, rad/s.
+    The moments in `work.moment` are overwritten by torque times mobility, rad/s.
     """
     for i in range(3):
         for j in range(NODES):

@@ -110,7 +110,7 @@ class At(NamedTuple):
     pose: Pose
     """time, position and orientation of the bead"""
     wrench: Wrench
-    """force (N), moment (N m) and their gradients"""
+    """force (N), torque (N m) and their gradients"""
     resisted: Mobility
     """mobility and its gradient"""
     force: Array
@@ -120,7 +120,7 @@ class At(NamedTuple):
     force_gradient: Array
     """(3, 3) derivative of force i by coordinate k, N/m"""
     moment_gradient: Array
-    """(3, 3) derivative of moment i by coordinate k, N"""
+    """(3, 3) derivative of torque i by coordinate k, N"""
     mobility: Array
     """(5,) the components of `Mobility.value`"""
     mobility_gradient: Array
@@ -146,7 +146,7 @@ def scratch(system):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def act(system, at, time, y):  # type: ignore[no-untyped-def]
-    """Evaluate force, moment and mobility in a state and store them in the workspace `at`.
+    """Evaluate force, torque and mobility in a state and store them in the workspace `at`.
 
     `system` is a `System`, `time` is in s, and `y` (state,) begins with the position (m). If the
     force depends on the orientation, the Euler parameters begin at `system.orientation`. They are

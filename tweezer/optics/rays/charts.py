@@ -32,7 +32,7 @@ the triangle F is even in x; on the outer chart it is symmetric in P and Q. Func
 continue across the axis, (P, Q) -> (1/Q, 1/P).
 
 A block is bisected into pieces along x or y until the tolerance is met. On each piece F_rho/rho,
-F_z (and the moment M_phi/rho) are polynomials of degree 7 in x and in y.
+F_z (and the torque M_phi/rho) are polynomials of degree 7 in x and in y.
 """
 
 from __future__ import annotations
@@ -478,7 +478,7 @@ def _function(values, at, gradient, found):  # type: ignore[no-untyped-def]
 def kernel(*, gradient: bool, moment: bool) -> Kernel:
     """Return the kernel that reads a table, compiled without the parts that a scene does not need.
 
-    The kernel adds gradients if `gradient`, and the moment (3.25) if `moment`. Its data begin with
+    The kernel adds gradients if `gradient`, and the torque (3.25) if `moment`. Its data begin with
     the radius (m), tan(theta_m/2) for the half angle theta_m of the cone and the range (radii).
     The unit of force n_m P/c (N) and the bound on the error of the force (N) follow. Then come
     `frames`, `roots`, `index`, `heads` and `pieces` of `tweezer.optics.rays.tabulate.Made`, and the

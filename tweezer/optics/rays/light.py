@@ -33,7 +33,7 @@ class RayLight(Light):
     jones: Array
     """(4,) Jones vector as (re, im) pairs; zeros where the light is not linear"""
     torque: bool
-    """whether the moment (3.25) is computed"""
+    """whether the torque (3.25) is computed"""
 
     @property
     def sphere(self) -> Sphere:

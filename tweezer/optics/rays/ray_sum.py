@@ -32,7 +32,7 @@ class Rays(NamedTuple):
     gradient: bool
     """whether derivatives over the position are computed"""
     moment: bool
-    """whether the moment (3.25) is computed"""
+    """whether the torque (3.25) is computed"""
 
 
 class Sphere(NamedTuple):
@@ -137,7 +137,7 @@ def efficiencies_of_rings(rays: Rays) -> Any:
 
 @functools.cache
 def _put(rays: Rays, *, halves: bool) -> Any:
-    """Return a compiled function that adds sums of force, moment and gradients to `found`.
+    """Return a compiled function that adds sums of force, torque and gradients to `found`.
 
     halves: whether the rays are half of all; sums that the other half cancels are left out.
     """
@@ -178,7 +178,7 @@ def _scalar(F, linear):  # type: ignore[no-untyped-def]
 def ray_sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
     """Return a compiled function that adds up the rays from `first` up to `last`.
 
-    It adds their force, moment and gradients to `found` and returns the size of the forces. It is
+    It adds their force, torque and gradients to `found` and returns the size of the forces. It is
     separate because the compiler does not vectorise its loop inside a large function. in_rings:
     whether `room` already contains the efficiencies.
     """

@@ -104,7 +104,7 @@ class Made:
 
     @property
     def moment(self) -> bool:
-        """Whether the moment (3.25) is tabled."""
+        """Whether the torque (3.25) is tabled."""
         return self.pieces.shape[1] > 2
 
     @property
@@ -136,7 +136,7 @@ class _Task:
     evaluate: Evaluate
     """returns the force at positions (n, 3)"""
     moment: bool
-    """whether the moment (3.25) is tabled"""
+    """whether the torque (3.25) is tabled"""
     parts: Blocks
     """rectangles of the charts' coordinates"""
     half_angle: float
@@ -234,7 +234,7 @@ def build(
     reach : float
         Largest distance from the focus, radii.
     moment : bool
-        Whether to tabulate the moment (3.25).
+        Whether to tabulate the torque (3.25).
     progress : callable, optional
         Called with the finished fraction, 0 to 1.
 

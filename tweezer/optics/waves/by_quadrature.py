@@ -48,7 +48,7 @@ class WavesByQuadrature(LightForce):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """Return force and moment at positions of the bead; see `Force.field`.
+        """Return force and torque at positions of the bead; see `Force.field`.
 
         Positions beyond the reach are computed with more nodes.
 

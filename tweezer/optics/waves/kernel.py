@@ -8,8 +8,8 @@ magnetic part are two components. The sums of one component are added to `found`
 frame in which the bead is at (rho, 0, z). With the refractive index n_m of the medium and the power
 P, they are in units of 4 pi^2 n_m P/c:
 
-    0-2 force, 1;  3-5 moment, m;  6-14 gradient of the force, row by row, 1/m;
-    15-23 gradient of the moment, 1;  24 absorbed power, in 4 pi^2 P.
+    0-2 force, 1;  3-5 torque, m;  6-14 gradient of the force, row by row, 1/m;
+    15-23 gradient of the torque, 1;  24 absorbed power, in 4 pi^2 P.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ SHARE, HANDEDNESS, COMPONENTS, BEGIN, END, LOWEST, HIGHEST = range(7)
 _ALONG, _WITHIN, _RAISED, _TURNED, _LOWERED, _LIFT = range(6)
 # rows of the sphere's weights
 _U_RE, _U_IM, _V_RE, _V_IM, _K, WEIGHTS = range(6)
-#: Numbers computed at a position: force, moment, their gradients, absorbed power
+#: Numbers computed at a position: force, torque, their gradients, absorbed power
 _FOUND = 25
 ABSORBED = 24
 #: Type of the compiled `absorption`
@@ -233,9 +233,9 @@ def force_and_gradient_sum(light, weights, wavenumber, found):  # type: ignore[n
 
 @named_njit(**OPTIONS)
 def moment_sum(light, weights, wavenumber, found):  # type: ignore[no-untyped-def]
-    """Add the moment that one component of the light exerts, and the power that the bead absorbs.
+    """Add the torque that one component of the light exerts, and the power that the bead absorbs.
 
-    The moment is added to found[3:6], in 4 pi^2 n_m P/c times m (refractive index of the medium,
+    The torque is added to found[3:6], in 4 pi^2 n_m P/c times m (refractive index of the medium,
     power). The absorbed power is added to found[24], in 4 pi^2 P. `light` are the component's
     `Waves`, and `wavenumber` is k (1/m).
     """
@@ -262,7 +262,7 @@ def moment_sum(light, weights, wavenumber, found):  # type: ignore[no-untyped-de
 
 @named_njit(**OPTIONS)
 def moment_gradient_sum(light, weights, found):  # type: ignore[no-untyped-def]
-    """Add the gradient of the moment that one component of the light exerts to found[15:24].
+    """Add the gradient of the torque that one component of the light exerts to found[15:24].
 
     It is dM_i/dx_j, row by row, in 4 pi^2 n_m P/c (refractive index of the medium, power). `light`
     are the component's `Waves`.
@@ -297,9 +297,9 @@ def moment_gradient_sum(light, weights, found):  # type: ignore[no-untyped-def]
 def both_sides(handedness, found):  # type: ignore[no-untyped-def]
     """Change the sums of one polarised state into a mean over it and its mirror image, y -> -y.
 
-    `found` (25,) are force, moment, their gradients row by row, and absorbed power. With the
+    `found` (25,) are force, torque, their gradients row by row, and absorbed power. With the
     `handedness` h, the state has the share (1 + h)/2 and its mirror image (1 - h)/2. Numbers that
-    change their sign in the mirror are multiplied by h. These are the force along y, the moment (an
+    change their sign in the mirror are multiplied by h. These are the force along y, the torque (an
     axial vector) along x and z, and their derivatives over x and z. For the other numbers the
     derivatives over y are multiplied.
     """
@@ -332,7 +332,7 @@ class Room(NamedTuple):
     waves: Any
     """(2 components, real and imaginary parts) amplitudes P_nm"""
     found: Any
-    """(25,) of one state: force, moment, their gradients, absorbed power"""
+    """(25,) of one state: force, torque, their gradients, absorbed power"""
 
 
 @named_njit(**OPTIONS)
@@ -415,7 +415,7 @@ def _summed(*, moment: bool) -> Any:
 def waves_kernel(*, moment: bool) -> Kernel:
     """Return the kernel that adds the force of the light, by sums over partial waves.
 
-    It adds the moment if `moment`, and gradients if the wrench has arrays for them. The error of a
+    It adds the torque if `moment`, and gradients if the wrench has arrays for them. The error of a
     bead too far from the focus for every rule is infinite.
     """
     add_up = _summed(moment=moment)

@@ -105,7 +105,7 @@ class Lattice:
     """coefficients of the functions of `_functions`: (pieces along z, pieces along rho, functions,
     ORDER powers of z, ORDER powers of rho)"""
     moment: bool
-    """whether the moment is tabled, after the force"""
+    """whether the torque is tabled, after the force"""
     certified: float
     """bound on the error of the force"""
     largest: float
@@ -165,7 +165,7 @@ def build(
     symmetric : bool
         Whether the light is rotationally symmetric about its axis.
     moment : bool
-        Whether to tabulate the moment too.
+        Whether to tabulate the torque too.
     progress : callable, optional
         Called with the finished fraction.
 
@@ -220,7 +220,7 @@ def _sampled(
 ) -> tuple[Array, float]:
     """Return the Chebyshev series of the functions of (rho, z), and the largest force sampled.
 
-    `_functions` describes the force, and then the moment, by these functions. The series is
+    `_functions` describes the force, and then the torque, by these functions. The series is
     (functions, along, across), over [-reach, reach] of z and of rho. As the functions are even in
     rho, `across` counts even degrees alone. `build` describes the arguments.
     """
@@ -344,7 +344,7 @@ def lattice_kernel(*, gradient: bool, functions: int, moment: bool) -> Kernel:
     """Return the kernel that reads a `Lattice`, and another force beyond its reach.
 
     The kernel adds gradients if `gradient`. The force has `functions` functions of (rho, z); with
-    `moment` the moment has as many. The entries of its data are numbers and lengths, coefficients,
+    `moment` the torque has as many. The entries of its data are numbers and lengths, coefficients,
     and the other force.
     """
     kinds, all_functions = 3 if gradient else 1, 2 * functions if moment else functions
@@ -452,7 +452,7 @@ def _function(values, at, slope, per_height, x, y, gradient):  # type: ignore[no
 
 @named_njit(**INNER)
 def _put(values, at, functions, x, y, slope, per_height, unit, wavenumber, gradient, parts):  # type: ignore[no-untyped-def]
-    """Fill `parts` with a vector of eight beads, force or moment, and its gradient.
+    """Fill `parts` with a vector of eight beads, force or torque, and its gradient.
 
     With zeta = x + i y the vector is F_x + i F_y = zeta (f + i h) + conj(zeta) U + zeta^3 V and
     F_z = g + Re(conj(W) zeta^2). If `functions` is three (f, h, g) instead of nine, U, V and W are
