@@ -229,8 +229,8 @@ def _parabola(at: Array, height: Array) -> tuple[Array, NDArray[np.int64], Array
     """Fit a x^2 + b x + c to the bottom of a potential, up to 2 k_B T above it.
 
     `at` (bins,) are the centres x of the bins, in standard deviations of the position, and `height`
-    (bins,) are the energies, in k_B T. Returns a, b and c (3,), the numbers of the fitted bins, and
-    the derivatives of the curvature 2 a with respect to their heights. Returns None without a
+    (bins,) are the energies, in k_B T. Returns a, b and c (3,), the indices of the fitted bins, and
+    the derivatives of the curvature 2 a with respect to their energies. Returns None without a
     minimum or with too few bins. Weights and bins follow from a preliminary parabola, so they
     depend little on noise.
     """

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 @dataclasses.dataclass
 class _Asked:
-    """What the user asked for by --details, and the notice shown meanwhile."""
+    """Choice of details by the user, and the notice that a command is loading."""
 
     details: bool | None = None
     """whether everything is printed; None for a command without the option"""

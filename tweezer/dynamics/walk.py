@@ -39,8 +39,8 @@ Integers = NDArray[np.int64]
 _SAME = 1e-6
 #: Error of the variance by the step above which a warning is given, and the smallest reported one
 _WARNED, _TOLD = 0.01, 1e-5
-#: Delay of losses by one force call per step, as measured on springs: its ratio to the step in
-#: relaxation times of the trap and to the depth in k_B T; and the smallest delay that is reported
+#: Relative delay of losses with one force call per step, divided by the step in relaxation times
+#: and by the depth in k_B T, as measured on springs. The second is the smallest reported delay
 _LATE, _TOLD_LATE = 0.25, 1e-3
 #: Number of oscillations in the relaxation time above which the energy loss by steps is measured
 _MANY_SWINGS = 100.0

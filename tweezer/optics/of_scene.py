@@ -191,10 +191,10 @@ class SceneLight:
     def _wrench(
         self, places: Array, time: float, turned: Array | None = None, *, gradient: bool = False
     ) -> Wrench:
-        """Return force and torque at positions (..., 3), m, of which n follow in one list.
+        """Return force and torque at positions (..., 3), m, which are n in total.
 
-        time: s. turned: Euler parameters (n, 4). gradient: compute gradients too. Warns where the
-        error exceeds the tolerance.
+        `time` is in s, and `turned` are Euler parameters (n, 4). If `gradient`, gradients are
+        computed too. A warning is given if the error exceeds the tolerance.
         """
         listed, force = places.reshape(-1, 3), self._force
         field = force.field(listed, gradient=gradient, time=time, orientations=turned)
@@ -233,8 +233,8 @@ def _before_axis(
 ) -> tuple[tuple[str, ...], dict[Hashable, Any]]:
     """Return the dimensions of positions (..., 3) before the last, and the coordinates along them.
 
-    positions: as given; an array of xarray with the last dimension "axis" keeps its own. places:
-    the positions as an array, m, whose dimensions are named `place` or `place_0` and so on.
+    `positions` are as given; an xarray object with the last dimension "axis" keeps its dimensions.
+    Otherwise the dimensions of the array `places`, m, are named `place`, or `place_0` and so on.
     """
     import xarray as xr
 

@@ -108,10 +108,10 @@ def _draw_lags(
     axes: Axes, lags_axes: Axes, recording: Recording, found: Diffusion, rest: Array, unit: str,
     scale: float,
 ) -> None:  # fmt: skip
-    """Draw the mean squared displacement over the lag, and the diffusion that each lag gives.
+    """Draw the mean squared displacement and the diffusion coefficient from each lag.
 
-    axes, lags_axes: panels of the displacement and of the diffusion. rest: (n, axes) positions
-    without the drift. unit, scale: see `draw_records`.
+    `axes` and `lags_axes` are the panels of the displacement and of the diffusion, and `rest` (n,
+    axes) the positions without drift. `draw_records` describes `unit` and `scale`.
     """
     dimensions = len(recording.axes)
     longest = max(2, int(_LONGEST * len(rest)))

@@ -72,10 +72,10 @@ class _Path(NamedTuple):
 def run_figure(run: xr.Dataset) -> Figure:
     """Draw the path in the plane of the beam's axis, and coordinates and speeds over time.
 
-    With thermal motion each coordinate has a panel with its histogram beside it, and the distance
-    to the equilibrium takes the place of the speeds, which have no meaning between samples. Without
-    a known equilibrium it is the distance to the focus. Samples too far apart to show the motion
-    are drawn as points.
+    With thermal motion each coordinate is drawn in a panel with its histogram. The distance to the
+    equilibrium replaces the speeds, which are not defined by the samples. Without a known
+    equilibrium it is the distance to the focus. Samples too far apart to show the motion are drawn
+    as points.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def _foci(scene: Scene, direction: Array) -> tuple[Array, Array]:
 
 
 def _path(run: xr.Dataset) -> _Path:
-    """Return the path of the bead, with limits that hold all of it, the foci and walls nearby."""
+    """Return the path of the bead, with limits that include it, the foci and nearby walls."""
     scene = scene_of(run)
     position = run["position"].values * per("um")
     start = position[0, :2]
@@ -251,7 +251,8 @@ def _draw_path(axes: Axes, run: xr.Dataset, path: _Path) -> None:
 def _draw_direction(axes: Axes, points: Array, travelled: Array, length: float) -> None:
     """Draw arrows along a path, at a third and at two thirds of its length.
 
-    points: (n, 2) places, µm. travelled: (n,) way to each of them, µm. length: of an arrow, µm.
+    `points` (n, 2) are positions, µm, and `travelled` (n,) the path lengths up to them, µm. An
+    arrow has this `length`, µm.
     """
     for part in (1 / 3, 2 / 3):
         tip = part * travelled[-1]

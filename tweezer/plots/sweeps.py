@@ -189,8 +189,8 @@ def _easiest(
 ) -> _Panel:  # fmt: skip
     """Return the panel of a quantity in the direction in which it is smallest.
 
-    scale: factor from SI to the unit of the figure. label, axis: see `_Panel`. line, line_is: value
-    that is marked by a line, and its meaning.
+    `scale` is the factor from the SI unit to the unit of the figure. A line marks the value `line`,
+    and `line_is` is its meaning. `_Panel` describes `label` and `axis`.
     """
     at = result[name].fillna(math.inf).argmin("direction")
     values, errors = (result[each].isel(direction=at) for each in (name, f"{name}_error"))

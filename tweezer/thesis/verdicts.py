@@ -598,8 +598,9 @@ def _hidden_start(evidence: Evidence) -> Judgement:
 
     It does if `fit_depth` determines the height from most of five tracks of each bead, and its
     interval contains the true height. For the smallest bead it does so for three tracks in four,
-    according to the benchmark with 200 tracks (docs/evidence-depth.md). Of five tracks it then does
-    so for most in 19 draws of 20, and for all but one in two draws of three.
+    according to the benchmark with 200 tracks (docs/evidence-depth.md). In a draw of five tracks,
+    it then does so for most tracks with a probability of 95 %, and for at least four with a
+    probability of two thirds.
     """
     rng = np.random.default_rng(_CAMERA_SEED)
     off, half, hits = {}, {}, {}
