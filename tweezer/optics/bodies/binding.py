@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import functools
 import math
 from typing import Any
 
@@ -10,6 +12,7 @@ from numpy.typing import NDArray
 
 from tweezer.compiled.lanes import LANES
 from tweezer.forces.data import Data, packed
+from tweezer.optics.bodies.kernel import body_sums
 from tweezer.optics.bodies.rotated import MARGIN, length_of
 from tweezer.optics.bodies.rotation import wigner_delta
 from tweezer.optics.bodies.t_matrix import TMatrix
@@ -29,6 +32,8 @@ _SMALL = 1e-3
 _ROUNDING = 2e-15
 #: Force of the sums, in n_m P/c
 _UNIT = 4 * math.pi**2
+#: Number of places at which degrees are compared; difference allowed there, of the tolerance
+_PLACES, _CUT = 24, 0.2
 #: Elements of S - 1 below this part of the largest count as symmetric or zero
 _ALIKE = 1e-13
 
@@ -53,21 +58,62 @@ def full_states(states: tuple[State, ...]) -> tuple[State, ...]:
     return tuple(found)
 
 
-def needed_degree(t_matrix: TMatrix, small: float) -> int:
-    """Return the degree beyond which S - 1 is below `small`, as a part of its largest element."""
-    l = t_matrix.modes[:, 0]
-    size = np.abs(t_matrix.change)
-    largest = size.max()
-    if largest == 0:
-        return 1
-    by_mode = np.maximum(np.sqrt((size**2).sum(axis=0)), np.sqrt((size**2).sum(axis=1)))
-    of_degree = np.array([by_mode[l == n].max() for n in range(1, t_matrix.degree + 1)])
-    beyond = np.cumsum(of_degree[::-1])[::-1]
-    return max(1, int((beyond > small * largest).sum()))
+@dataclasses.dataclass(frozen=True)
+class _Bound:
+    """A body and light, bound as often as degrees are tried."""
+
+    body: TMatrix
+    light: Waves
+    tolerance: float
+    reach: float
+    """largest distance from the focus, m"""
+
+    @property
+    def small(self) -> float:
+        """Error of integrals and sums, as a part of the light."""
+        return max(_SMALL * self.tolerance, _ROUNDING)
+
+    @functools.cached_property
+    def nodes(self) -> Nodes:
+        """Nodes over the cone of light."""
+        return Nodes(self.light.focus, self.light.odd, self.small)
+
+    @functools.cached_property
+    def states(self) -> tuple[State, ...]:
+        """Polarised parts of the light, without mirror images."""
+        return full_states(self.light.states)
+
+    @functools.lru_cache(maxsize=4)  # noqa: B019
+    def source(self, highest: int) -> tuple[Any, ...]:
+        """Return the fields of `partial_waves.Source` for a highest degree."""
+        return source(self.light, self.states, self.nodes, self.reach, highest, self.small)
+
+    def data(self, degree: int, room: int, cut_error: float) -> Data:
+        """Return the data for S - 1 up to a degree.
+
+        `room` is a degree for which the tables have room, and `cut_error` the error of the force
+        by the degrees that are left out, in n_m P/c.
+        """
+        light, cut = self.light, self.body.cut(degree)
+        stride = -(-(room + 1 + MARGIN) // LANES) * LANES
+        highest = stride - 1
+        floor = (self.nodes.error + cut_error) * light.strength
+        # |dF| <= (|dt| |v| + |t| |dv|) n_m/c with |t| <= 2 |p| and |v| <= 4 |p|
+        unsure = 6 * len(cut.modes) ** 0.5 * self.body.error
+        return packed(
+            light.strength * _UNIT, light.strength, self.tolerance, floor, unsure,
+            of_states(self.states), guarded_elements(np.stack(elements(highest))),
+            _delta_table(degree + MARGIN, stride).ravel(), np.array([1.0, -1.0] * (LANES // 2)),
+            *_blocks(cut, highest), float(degree), float(cut.axial), *self.source(highest),
+        )  # fmt: skip
 
 
 def body_data(t_matrix: TMatrix, light: Waves, tolerance: float, reach: float) -> Data:
     """Return the data of `kernel.body_kernel` for a body up to `reach`, m, from the focus.
+
+    The degree of the sums is the smallest for which forces and torques at some places differ from
+    those of the whole T-matrix by less than a part of the tolerance. The places are drawn around
+    the focus, with random orientations. Three times this difference is part of the stated error.
 
     Parameters
     ----------
@@ -80,25 +126,28 @@ def body_data(t_matrix: TMatrix, light: Waves, tolerance: float, reach: float) -
     reach : float
         Largest distance from the focus, m.
     """
-    small = max(_SMALL * tolerance, _ROUNDING)
-    whole, degree = t_matrix, needed_degree(t_matrix, small)
-    t_matrix = whole.cut(degree)
-    stride = -(-(degree + 1 + MARGIN) // LANES) * LANES
-    highest = stride - 1
-    states = full_states(light.states)
-    nodes = Nodes(light.focus, light.odd, small)
-    blocks, scattering, gathered, signs = _blocks(t_matrix, highest)
-    cut = whole.change.copy()
-    cut[: len(t_matrix.modes), : len(t_matrix.modes)] = 0
-    # |dF| <= (|dt| |v| + |t| |dv|) n_m/c with |t| <= 2 |p| and |v| <= 4 |p|
-    unsure = 6 * (np.linalg.norm(cut) + len(t_matrix.modes) ** 0.5 * whole.error)
-    return packed(
-        light.strength * _UNIT, light.strength, tolerance, nodes.error * light.strength, unsure,
-        of_states(states), guarded_elements(np.stack(elements(highest))),
-        _delta_table(degree + MARGIN, stride).ravel(), np.array([1.0, -1.0] * (LANES // 2)),
-        blocks, scattering, gathered, signs, float(degree), float(t_matrix.axial),
-        *source(light, states, nodes, reach, highest, small),
-    )  # fmt: skip
+    far = 2 * (light.radius + 2 * math.pi / light.wavenumber)
+    trial = _Bound(t_matrix, light, tolerance, far)
+    random = np.random.default_rng(0)
+    places = random.uniform(-far / 4, far / 4, (_PLACES, 3))
+    turned = random.normal(size=(_PLACES, 4))
+    turned /= np.linalg.norm(turned, axis=1, keepdims=True)
+
+    def sums(degree: int) -> Array:
+        """Return forces and torques times k at the places, in n_m P/c, (places, 6)."""
+        found: Array = body_sums()(places, turned, trial.data(degree, highest, 0.0), False)[:, :6]
+        return found / light.strength * np.repeat([1.0, light.wavenumber], 3)
+
+    highest = t_matrix.degree
+    exact = sums(highest)
+    largest = np.linalg.norm(exact[:, :3], axis=1).max()
+    degree, error = highest, 0.0
+    for lower in range(highest - 1, 0, -1):
+        off = float(np.abs(sums(lower) - exact).max())
+        if off > _CUT * tolerance * largest:
+            break
+        degree, error = lower, off
+    return _Bound(t_matrix, light, tolerance, reach).data(degree, degree, 3 * error)
 
 
 def _delta_table(degree: int, stride: int) -> Array:

@@ -13,8 +13,10 @@ from tweezer.optics.bodies.t_matrix import TMatrix, modes_up_to
 
 ComplexArray = NDArray[np.complex128]
 
-#: Degrees by which two truncations differ, and those of the lower one above the degrees kept
-_MORE, _EXTRA = 2, 4
+#: Degrees of the truncated matrices above the degrees kept, tried in this order
+_EXTRA = (2, 4, 8, 12, 18, 26, 36, 50)
+#: Change of S - 1 from one truncation to the next that is small enough
+_CONVERGED = 1e-11
 
 
 def degree_for(size: float) -> int:
@@ -35,8 +37,8 @@ def spheroid_t_matrix(
 ) -> TMatrix:
     """Return the T-matrix of a spheroid whose axis is z.
 
-    The error is the largest change of an element of S - 1 from two degrees fewer in the
-    intermediate matrices.
+    The matrices of the method are truncated above the degrees that are kept, further and further
+    until S - 1 changes by less than 1e-11. The last change is the error.
 
     Parameters
     ----------
@@ -54,11 +56,16 @@ def spheroid_t_matrix(
     radius = max(across, along)
     if degree is None:
         degree = degree_for(wavenumber * radius)
-    coarse, fine = (
-        _truncated(wavenumber * across, wavenumber * along, index, degree, degree + extra)
-        for extra in (_EXTRA, _EXTRA + _MORE)
-    )
-    error = 2 * float(np.abs(fine - coarse).max())
+    fine = _truncated(wavenumber * across, wavenumber * along, index, degree, degree + _EXTRA[0])
+    for extra in _EXTRA[1:]:
+        coarse, fine = (
+            fine,
+            _truncated(wavenumber * across, wavenumber * along, index, degree, degree + extra),
+        )
+        # each further truncation changes less than the one before
+        error = 2 * float(np.abs(fine - coarse).max())
+        if error < _CONVERGED:
+            break
     matrix = _in_helicities(fine, degree)
     return TMatrix(matrix, wavenumber, refractive_index, radius, index.imag == 0, error)
 
