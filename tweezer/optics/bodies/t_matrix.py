@@ -12,6 +12,8 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,6 +98,33 @@ class TMatrix:
         """Whether the body is one of revolution about z: T couples modes of equal m alone."""
         m = self.modes[:, 1]
         return not self.matrix[m[:, None] != m[None, :]].any()
+
+    def save(
+        self,
+        path: str | Path,
+        *,
+        polarisation: Literal["helicity", "electric/magnetic"] = "helicity",
+        **about: Any,
+    ) -> Path:
+        """Save this T-matrix to a file of the T-matrix data format.
+
+        Parameters
+        ----------
+        path : str or Path
+            Name of the file, ending in .tmat.h5.
+        polarisation : {"helicity", "electric/magnetic"}, optional
+            Modes of the file.
+        **about
+            Name, description and permittivity of the body, as of `save_t_matrix`.
+
+        Returns
+        -------
+        Path
+            The file.
+        """
+        from tweezer.optics.bodies.saved import save_t_matrix
+
+        return save_t_matrix(self, path, polarisation=polarisation, **about)
 
     def cut(self, degree: int) -> TMatrix:
         """Return this T-matrix without the modes above a degree."""
