@@ -77,7 +77,7 @@ def block(results: Results) -> str:
         )
     lines = [
         *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
-        "![Cases that were done at each kill](figures/bench-sweep.png)",
+        "![Completed cases after each kill](figures/bench-sweep.png)",
     ]  # fmt: skip
     return pages.block("sweep", lines, results["machine"])
 
