@@ -106,7 +106,7 @@ def claims(
 
 @_judge
 def _largest_is_overdamped(evidence: Evidence) -> Judgement:
-    """Judge whether the 1950 nm bead is trapped and overshoots the axis by less than 1 nm."""
+    """Judge whether the 1950 nm bead is captured and overshoots the axis by less than 1 nm."""
     overshoot = evidence.of_summary("1950nm", lambda summary: summary.overshoot)
     times = evidence.of_summary("1950nm", lambda summary: summary.outcome_time)
     (of_thesis, ended), (unscaled, ended_unscaled) = (
@@ -114,7 +114,7 @@ def _largest_is_overdamped(evidence: Evidence) -> Judgement:
         for which in overshoot
     )
     return judged(
-        f"overshoot {of_thesis}, trapped after {ended}; unscaled {unscaled}, {ended_unscaled}",
+        f"overshoot {of_thesis}, captured after {ended}; unscaled {unscaled}, {ended_unscaled}",
         lambda which: overshoot[which] < 1e-9 and evidence.captured(which, "1950nm"),
         overshoot=overshoot, captured_after=times,
     )  # fmt: skip
@@ -122,8 +122,8 @@ def _largest_is_overdamped(evidence: Evidence) -> Judgement:
 
 @_judge
 def _middle_overshoots_a_little(evidence: Evidence) -> Judgement:
-    """Judge whether the trapped 990 nm bead overshoots the axis by 1 nm to a radius, and crosses it
-    twice.
+    """Judge whether the captured 990 nm bead overshoots the axis by 1 nm to a radius and
+    crosses it twice.
     """
     overshoot = evidence.of_summary("990nm", lambda summary: summary.overshoot)
     crossed = evidence.of_run("990nm", crossings)
