@@ -112,7 +112,7 @@ def test_displaced_sphere_agrees_with_plane_waves(place):
     d = np.array(place) * UM
     # light of each helicity at the sphere
     at = {helicity: by_plane_waves(d, inner, outer, helicity) for helicity in (1, -1)}
-    T = of((place, radius / UM, index))
+    T = of((place, radius / UM, index), tolerance=1e-14)
     modes = modes_up_to(outer)
     change = T.cut(outer).change
     for to, by in itertools.product((1, -1), repeat=2):
@@ -130,6 +130,13 @@ def test_sphere_at_the_origin_is_the_sphere():
     assert difference(T, sphere) < T.error < 1e-10
     assert not T.matrix[sphere.matrix == 0].any()
     assert (T.radius, T.lossless) == (0.3 * UM, True)
+
+
+def test_sphere_beside_an_invisible_one_is_the_sphere():
+    alone = of(((0, 0, 0), 0.3, POLYSTYRENE))
+    both = of(((0, 0, 0), 0.3, POLYSTYRENE), ((0, 0, 0.4), 0.05, 1.0))
+    assert difference(both, alone) < 1e-10
+    assert both.error < 1e-10
 
 
 # Elements of T from treams 0.4.7 (`TMatrix.cluster(...).interaction.solve().expand(...)`), with the

@@ -323,9 +323,9 @@ class _Superposition:
         modes = highest if self._line else highest * (highest + 2)
         return 2 * len(self._light) * modes // (2 if self._plane else 1)
 
-    def strengths(self) -> list[float]:
-        """Return the largest change of a wave by each of the spheres."""
-        return [float(np.abs(each).max()) ** 2 for each in self._scales]
+    def strengths(self) -> Array:
+        """Return the largest change of a wave by each sphere, (spheres, degrees)."""
+        return np.abs(self._scales).max(axis=1) ** 2
 
     def largest(self) -> float:
         """Return the largest element of S - 1 so far."""
@@ -394,9 +394,7 @@ class _Superposition:
 class _Convergence:
     """Estimate of what all further degrees of the spheres would add to S - 1."""
 
-    def __init__(
-        self, spheres: Sequence[Sphere], wavenumber: float, strengths: Sequence[float]
-    ) -> None:
+    def __init__(self, spheres: Sequence[Sphere], wavenumber: float, strengths: Array) -> None:
         #: fall of the waves that a neighbour at the distance d sends to a sphere of radius a and
         #: receives from it, (a/d)^2 a degree
         self._fall = max(
@@ -412,11 +410,13 @@ class _Convergence:
         self._begin = max(
             _LAST + 1, *(math.ceil(wavenumber * radius) + 2 for _, radius, _ in spheres)
         )
-        dielectric = all((index**2).real > 0 for _, _, index in spheres)
-        self._most = 2.0
-        if dielectric:
-            self._most = min(2.0, _STRENGTHENED * (sum(strengths) - max(strengths)))
-        self._alone = len(spheres) == 1
+        #: most that the waves between the spheres add
+        self._between = 2.0
+        if all((index**2).real > 0 for _, _, index in spheres):
+            largest = strengths.max(axis=1)
+            self._between = _STRENGTHENED * float(np.sort(largest)[:-1].sum())
+        #: most that the spheres scatter of the light itself from degree 1, 2, ... on
+        self._light = np.cumsum(strengths.sum(axis=0)[::-1])[::-1]
 
     def remainder(self, terms: Sequence[float]) -> float:
         """Return an upper estimate of the sum of the terms that follow `terms`, of degree 1, 2, ...
@@ -429,20 +429,24 @@ class _Convergence:
         sphere. While the light itself still converges, the terms may fall faster than that, but
         those of the waves between spheres follow.
 
-        The waves between dielectric spheres cannot add more than a multiple of what the weaker ones
-        scatter, and no element of S - 1 exceeds 2.
+        Dielectric spheres cannot add more than what they scatter of the light itself, and by the
+        waves between them a multiple of what the weaker ones scatter. No element of S - 1 is larger
+        than 2.
         """
         n = len(terms)
         if n < self._begin:
             return 2.0
         if terms[-1] == 0:
             return 0.0
+        light = float(self._light[n]) if n < self._light.size else 0.0
+        most = min(2.0, self._between + light)
+        if not terms[-1 - _LAST] * terms[-3]:
+            return most
         falls = [(terms[-1] / terms[-1 - back]) ** (1 / back) for back in (2, _LAST)]
         ratio = max(*falls, self._fall * (1 + 1 / n) ** 3)
         if ratio >= 1:
-            return 2.0 if self._alone else self._most
-        series = 2 * terms[-1] * ratio / (1 - ratio)
-        return min(series, 2.0 if self._alone else self._most)
+            return most
+        return min(most, 2 * terms[-1] * ratio / (1 - ratio))
 
 
 def cluster_t_matrix(
@@ -498,9 +502,16 @@ def cluster_t_matrix(
         change = _by_helicity(_assembled(equations.systems, parts, symmetry, degree))
         return change if turn is None else turn @ change @ turn.conj().T
 
+    def growth() -> float:
+        """Return by how much the largest element of the last term grows in the body's frame."""
+        if turn is None or terms[-1] == 0:
+            return 1.0
+        term = in_frame_of_body([system.term for system in equations.systems])
+        return max(1.0, float(np.abs(term).max()) / terms[-1])
+
     convergence = _Convergence(placed, wavenumber, equations.strengths())
     terms: list[float] = []
-    error = 2.0
+    error, grown = 2.0, False
     for n in range(1, HIGHEST_DEGREE + 1):
         if equations.amplitudes(n) > MOST_AMPLITUDES:
             break
@@ -508,14 +519,14 @@ def cluster_t_matrix(
         if not math.isfinite(term):
             break
         terms.append(term)
-        error = convergence.remainder(terms)
+        error, grown = convergence.remainder(terms), False
         wanted = tolerance * min(1.0, equations.largest())
-        if error <= wanted and turn is not None:
-            # the largest element depends on the frame
-            turned = in_frame_of_body([system.term for system in equations.systems])
-            error *= max(1.0, float(np.abs(turned).max()) / term) if term else 1.0
         if error <= wanted:
-            break
+            error, grown = error * growth(), True
+            if error <= wanted:
+                break
+    if terms and not grown:
+        error = min(2.0, error * growth())
     change = in_frame_of_body([system.change for system in equations.systems])
     largest = float(np.abs(change).max())
     phase = np.asarray(1j ** (modes_up_to(degree)[:, 0] % 4), np.complex128)
