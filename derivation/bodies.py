@@ -182,7 +182,7 @@ def angular_momentum(n: int) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix]:
 # --- the surface of a body ---------------------------------------------------------------------
 r, theta, phi = sp.symbols("r theta phi", positive=True)
 #: r'/r on the surface r(theta)
-slope = sp.Symbol(r"(r'/r)", real=True)
+slope = sp.Symbol(r"{\frac{r'}{r}}", real=True)
 #: index of the body relative to the medium
 index = sp.Symbol("m", complex=True)
 #: x = k r, and x_1 = m x inside of the body
@@ -209,8 +209,8 @@ class Factors(NamedTuple):
 
 
 #: the test wave, outside, and the wave inside of the body
-TEST = Factors(*sp.symbols(r"\zeta \zeta' y \tau \pi \nu", complex=True))
-INNER = Factors(*sp.symbols(r"\psi_1 \psi_1' y_1 \tau_1 \pi_1 \nu_1", complex=True))
+TEST = Factors(*sp.symbols(r"\zeta {\zeta'} y \tau \pi \nu", complex=True))
+INNER = Factors(*sp.symbols(r"\psi_1 {\psi_1'} y_1 \tau_1 \pi_1 \nu_1", complex=True))
 
 
 def curl(field: Vector) -> Vector:
