@@ -36,6 +36,8 @@ _SAME = 1e-6
 #: Largest part of the power by which S may exceed 1 if the file states no accuracy, and the
 #: smallest one that is refused if it does
 _MOST_GAIN, _LEAST_GAIN = 1e-2, 1e-6
+#: Largest element, in the basis of the file: 1 and a gain
+_LARGEST = 1.1
 #: Most wavelengths that an error lists one by one
 _FEW = 12
 #: Rounding of a matrix element
@@ -210,6 +212,10 @@ class _File:
         matrix = matrices[chosen]
         if not np.isfinite(matrix).all():
             raise self.error("tmatrix", "", "contains NaN or infinity; must be finite")
+        if (largest := float(np.abs(matrix).max())) > _LARGEST:
+            raise self.error(
+                "tmatrix", "", f"has an element of size {largest:.3g}; a passive body has at most 1"
+            )
         if basis == "electric/magnetic":
             matrix = other_basis(matrix)
         if radius is None:
@@ -323,7 +329,7 @@ class _File:
     def _modes(self, which: str) -> tuple[Integers, str]:
         """Return where each mode of the standard order is in the file, and the basis.
 
-        The standard order is that of `modes_up_to`; electric modes take the place of helicity +1.
+        Function `modes_up_to` lists the standard order. Electric modes replace helicity +1.
         """
         l_name, m_name, p_name = (
             f"modes/{key}_{which}" if self.item(f"modes/{key}_{which}") is not None
@@ -392,7 +398,7 @@ class _File:
         return [_POLARISATIONS[each][1] for each in names], bases.pop()
 
     def _wavelength(self, asked: float | None, count: int) -> tuple[int, float]:
-        """Return the index and the vacuum wavelength, m, of the T-matrix that is asked for."""
+        """Return the index and the vacuum wavelength, m, of the requested T-matrix."""
         found = {name: self._table(name, count) for name in _FREQUENCIES}
         tables = {name: table for name, table in found.items() if table is not None}
         if not tables:
@@ -542,11 +548,11 @@ class _File:
             return 0.0
         try:
             found = float(np.ravel(value)[0])
-        except ValueError:
+        except (TypeError, ValueError):
             found = math.nan
         if not 0 <= found < math.inf:
             raise self.error(
-                "computation, accuracy", _text(value), "must be 0 or a positive number"
+                "computation, accuracy", repr(_text(value)), "must be 0 or a positive number"
             )
         return found
 
