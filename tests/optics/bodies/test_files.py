@@ -11,8 +11,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from tests.optics.bodies.maxwell import Sphere
+import tweezer
+from tests.optics.bodies.maxwell import Sphere, force_and_torque
 from tweezer.optics.bodies.files import load_t_matrix, save_t_matrix
 from tweezer.optics.bodies.t_matrix import sphere_t_matrix
 from tweezer.optics.waves.sphere import mie_coefficients
@@ -114,6 +116,28 @@ def test_extinction_of_plane_waves_agrees_with_treams():
         scattering = np.vdot(scattered, scattered).real / body.wavenumber**2
         assert extinction == pytest.approx(wave["extinction"], rel=1e-12)
         assert scattering == pytest.approx(wave["scattering"], rel=1e-12)
+
+
+def test_force_and_torque_on_the_body_of_a_file_agree_with_the_stress_tensor():
+    """All six components, for a tilted body off the axis in elliptic light."""
+    body = cluster()
+    scene = tweezer.load_scene("silica-1um").replace(
+        optics={"theory": "waves", "tolerance": 1e-6},
+        medium={"refractive_index": INDEX},
+        beam={"polarisation": "linear", "jones": [[0.6, 0], [0.3, 0.74]], "wavelength": WAVELENGTH},
+        bead={
+            "shape": "t-matrix", "file": str(TREAMS), "radius": body.radius, "density": 1050,
+            "material": None, "refractive_index": None,
+        },
+    )  # fmt: skip
+    position, orientation = np.array([0.31e-6, -0.2e-6, 0.4e-6]), np.array([0.5, -0.3, 0.7, 0.41])
+    rotation = Rotation.from_quat(orientation, scalar_first=True).as_matrix()
+    force, torque, _ = force_and_torque(scene, body, position, rotation)
+    orientation /= np.linalg.norm(orientation)
+    found = tweezer.optical_force(scene, position, orientation)
+    assert found == pytest.approx(force, abs=1e-12 * np.abs(force).max())
+    found = tweezer.optical_torque(scene, position, orientation)
+    assert found == pytest.approx(torque, abs=1e-12 * np.abs(torque).max())
 
 
 # --- other ways to write the same -------------------------------------------------------------
