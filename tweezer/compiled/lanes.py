@@ -1,5 +1,8 @@
 """Vectors of eight numbers that the processor adds and multiplies simultaneously, for Numba.
 
+`of_lanes` extracts one of eight numbers, and `alternated` takes every other one from each of two
+vectors.
+
 `lanes(array, i)` loads eight consecutive numbers and `store` writes them. `spread` repeats one
 number, `total` adds the eight numbers, and `root` is the square root. The operators +, -, * and /
 act on each of the eight. A product and a sum may be rounded once (fused). Short loops are then fast
@@ -193,6 +196,26 @@ def total(typing: Any, value: Any) -> Any:  # noqa: ARG001
         return builder.extract_element(left, ir.Constant(ir.IntType(32), 0))
 
     return types.float64(_LANES), emitted
+
+
+@intrinsic
+def of_lanes(typing: Any, value: Any, at: Any) -> Any:  # noqa: ARG001
+    """Return the number at index `at`, 0 to 7, of eight numbers."""
+
+    def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
+        return builder.extract_element(*values)
+
+    return types.float64(_LANES, types.intp), emitted
+
+
+@intrinsic
+def alternated(typing: Any, some: Any, others: Any) -> Any:  # noqa: ARG001
+    """Return eight numbers: those of `some` at even indices, those of `others` at odd ones."""
+
+    def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
+        return builder.shuffle_vector(*values, _mask(i + LANES * (i % 2) for i in range(LANES)))
+
+    return _LANES(_LANES, _LANES), emitted
 
 
 def _of_llvm(builder: Any, name: str, values: Any) -> Any:

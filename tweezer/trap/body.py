@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from tweezer.dynamics.escape import Escape, escapes
@@ -300,7 +301,7 @@ class _Search:
             scale = max(scale, size)
             if damping is None:
                 damping = float(np.abs(k).max())
-            step: Array = np.linalg.solve(k + damping * np.eye(6), force)
+            step = np.linalg.solve(k + damping * np.eye(6), force)
             step *= min(1.0, farthest / _length(step[:3]), _TURN * self.length / _length(step[3:]))
             r, e = r + step[:3], _turned(e, step[3:] / self.length)
             if np.linalg.norm(r) > reach:
@@ -365,7 +366,7 @@ class _Search:
         return float(absorbed_of(self.light, position[None], orientation[None], 0.0)[0])
 
 
-def _length(vector: Array) -> float:
+def _length(vector: ArrayLike) -> float:
     """Return the length of a vector, at least the smallest number."""
     return max(float(np.linalg.norm(vector)), 1e-300)
 
@@ -383,7 +384,7 @@ def _turning(axis: Array) -> Array:
     return np.array([half / 2, -y / half, x / half, 0.0])
 
 
-def _turned(orientation: Array, angle: Array) -> Array:
+def _turned(orientation: Array, angle: ArrayLike) -> Array:
     """Return Euler parameters turned further by an angle (3,) about the laboratory's axes, rad."""
     found: Array = (Rotation.from_rotvec(angle) * _rotation(orientation)).as_quat(scalar_first=True)
     return found

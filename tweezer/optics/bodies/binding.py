@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from tweezer.compiled.lanes import LANES
 from tweezer.forces.data import Data, packed
 from tweezer.optics.bodies.kernel import body_sums
-from tweezer.optics.bodies.rotated import MARGIN, length_of
-from tweezer.optics.bodies.rotation import wigner_delta
+from tweezer.optics.bodies.rotated import MARGIN, delta_table, length_of
 from tweezer.optics.bodies.t_matrix import TMatrix
 from tweezer.optics.waves.binding import of_states, source
 from tweezer.optics.waves.focus import State
@@ -103,8 +102,8 @@ class _Bound:
         return packed(
             light.strength * _UNIT, light.strength, self.tolerance, floor, unsure,
             of_states(self.states), guarded_elements(np.stack(elements(highest))),
-            _delta_table(degree + MARGIN, stride).ravel(), np.array([1.0, -1.0] * (LANES // 2)),
-            *_blocks(cut, highest), float(degree), float(cut.axial), *self.source(highest),
+            delta_table(degree + MARGIN, highest), np.array([1.0, -1.0] * (LANES // 2)),
+            *_scattering(cut, highest), *self.source(highest),
         )  # fmt: skip
 
 
@@ -150,62 +149,53 @@ def body_data(t_matrix: TMatrix, light: Waves, tolerance: float, reach: float) -
     return _Bound(t_matrix, light, tolerance, reach).data(degree, degree, 3 * error)
 
 
-def _delta_table(degree: int, stride: int) -> Array:
-    """Return Delta^n_mk = d^n_mk(pi/2) by k, m >= 0 and n, `stride` of each, up to a degree."""
-    table = np.zeros((stride, stride, stride))
-    for n, delta in enumerate(wigner_delta(degree)):
-        table[: n + 1, : n + 1, n] = delta[n:, n:].T
-    return table
+def _scattering(body: TMatrix, highest: int) -> tuple[Array, NDArray[np.int32], float, float]:
+    """Return S - 1 in the form of `kernel.Body`: elements, places, degree, and whether it splits.
+
+    A body of revolution whose S - 1 differs for m and -m, because it is chiral, counts as one
+    without an axis.
+    """
+    change = _electric_and_magnetic(body.change)
+    l, m, magnetic = body.modes[:, 0], body.modes[:, 1], body.modes[:, 2] < 0
+    least = _ALIKE * np.abs(change).max()
+    if body.axial:
+        image = 2 * (l * l - 1 + l - m) + magnetic  # the mode of order -m
+        flip = np.where(magnetic, -1.0, 1.0)
+        mirrored = flip[:, None] * flip * change[np.ix_(image, image)]
+        if np.abs(mirrored - change).max(initial=0) <= least:
+            side = (l + magnetic) % 2
+            mixed = change[side[:, None] != side]
+            split = bool(np.abs(mixed).max(initial=0) <= least)
+            return (
+                _about_axis(change, body, split), np.zeros(0, np.int32), float(body.degree),
+                float(split),
+            )  # fmt: skip
+    places = LANES + (m + highest + MARGIN) * (highest + 1) + l
+    places += magnetic * length_of.py_func(highest)
+    padded = -(-len(l) // LANES) * LANES
+    columns = np.zeros((len(l), 2, padded))
+    columns[:, 0, : len(l)], columns[:, 1, : len(l)] = change.T.real, change.T.imag
+    return columns.ravel(), places.astype(np.int32), float(body.degree), 0.0
 
 
-def _blocks(t_matrix: TMatrix, highest: int) -> tuple[Array, Array, NDArray[np.int32], Array]:
-    """Return S - 1 as blocks, in the form of `kernel.Body`."""
-    change, degree = _electric_and_magnetic(t_matrix.change), t_matrix.degree
-    l, m, kind = t_matrix.modes[:, 0], t_matrix.modes[:, 1], (t_matrix.modes[:, 2] < 0)
-    largest = np.abs(change).max()
-    every = np.arange(len(l))
-    if not t_matrix.axial:
-        lists = [[(every, np.ones(len(l)))]]
-    else:
-        image = 2 * (l * l - 1 + l - m) + kind  # the mode of order -m
-        flipped = np.where(kind, -1.0, 1.0)
-        mirrored = flipped[:, None] * flipped[None, :] * change[np.ix_(image, image)]
-        alike = np.abs(mirrored - change).max() <= _ALIKE * largest
-        # a mirror plane keeps electric waves of one parity of n apart from magnetic ones of it
-        side = (l + kind) % 2
-        split = np.abs(change[side[:, None] != side[None, :]]).max(initial=0) <= _ALIKE * largest
-        lists = []
-        for order in range(0 if alike else -degree, degree + 1):
-            for parity in (0, 1) if split else (None,):
-                own = every[(m == order) & ((side == parity) | (parity is None))]
-                if own.size == 0:
-                    continue
-                vectors = [(own, np.ones(len(own)))]
-                if alike and order > 0:
-                    vectors.append((image[own], flipped[own]))
-                lists.append(vectors)
-    place = LANES + (m + highest + MARGIN) * (highest + 1) + l + kind * length_of.py_func(highest)
-    rows, numbers, indices, signs = [], [], [], []
-    entry = first = 0
-    for vectors in lists:
-        own = vectors[0][0]
-        size = -(-len(own) // LANES) * LANES
-        block = np.zeros((size, 2, size))
-        part = change[np.ix_(own, own)].T  # by column
-        block[: len(own), 0, : len(own)] = part.real
-        block[: len(own), 1, : len(own)] = part.imag
-        rows.append((size, entry, len(vectors), first))
-        numbers.append(block.ravel())
-        for of, sign in vectors:
-            more = size - len(of)
-            indices.append(np.pad(place[of], (0, more)))
-            signs.append(np.pad(sign, (0, more)))
-        entry += block.size
-        first += size * len(vectors)
-    return (
-        np.array(rows, float), np.concatenate(numbers),
-        np.concatenate(indices).astype(np.int32), np.concatenate(signs),
-    )  # fmt: skip
+def _about_axis(change: ComplexArray, body: TMatrix, split: bool) -> Array:
+    """Return the elements of S - 1 of a body of revolution; see `kernel._scatter_about_axis`."""
+    l, m, magnetic = body.modes[:, 0], body.modes[:, 1], body.modes[:, 2] < 0
+    found = []
+    for order in range(body.degree, -1, -1):
+        lowest = max(order, 1)
+        of_order = np.flatnonzero(m == order)
+        # the first class has a magnetic wave at the lowest degree
+        in_first = magnetic[of_order] == ((l[of_order] - lowest) % 2 == 0)
+        first, other = of_order[in_first], of_order[~in_first]
+        padded = -(-len(first) // LANES) * LANES
+        for rows, columns in ((first, other), (other, first)):
+            for incident in (rows,) if split else (rows, columns):
+                part = change[np.ix_(rows, incident)].T
+                block = np.zeros((len(incident), 2, padded))
+                block[:, 0, : len(rows)], block[:, 1, : len(rows)] = part.real, part.imag
+                found.append(block.ravel())
+    return np.concatenate(found)
 
 
 def _electric_and_magnetic(change: ComplexArray) -> ComplexArray:

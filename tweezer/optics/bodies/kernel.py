@@ -21,7 +21,7 @@ import numpy as np
 from numba import types
 
 from tweezer.compiled import cache_functions, cached_njit, named_njit
-from tweezer.compiled.lanes import LANES, lanes, spread, store, total
+from tweezer.compiled.lanes import LANES, alternated, lanes, of_lanes, spread, store, total
 from tweezer.forces.data import DATA, Data, integers, matrix, number, vector
 from tweezer.forces.force import KERNEL, Kernel
 from tweezer.generated import bodies
@@ -32,7 +32,6 @@ from tweezer.optics.waves.kernel import (
     HIGHEST,
     LOWEST,
     SHARE,
-    _electric_and_magnetic,
 )
 from tweezer.optics.waves.partial_waves import (
     HELICITY,
@@ -50,10 +49,8 @@ cache_functions(bodies)
 
 # entries of the data. The first five are numbers: 4 pi^2 n_m P/c (N), n_m P/c (N), the relative
 # tolerance, the error of the force where it vanishes (N), and the error of S - 1 as an operator
-(STRENGTH, OF_ALL, TOLERANCE, FLOOR, UNSURE, STATES, ELEMENTS, DELTA, ALTERNATING, BLOCKS,
- SCATTERING, GATHERED, SIGNS, DEGREE, AXIAL, SOURCE) = range(16)  # fmt: skip
-# columns of the blocks of S - 1: rows, first entry of the matrix, vectors, first entry of the lists
-ROWS, ENTRY, VECTORS, LIST = range(4)
+(STRENGTH, OF_ALL, TOLERANCE, FLOOR, UNSURE, STATES, ELEMENTS, DELTA, ALTERNATING, SCATTERING,
+ PLACES, DEGREE, SPLIT, SOURCE) = range(14)  # fmt: skip
 #: Six components: force or translation, torque or rotation
 _SIX = 6
 #: Numbers of one bead: force and torque, absorbed power, |p|^2, the 6 x 6 derivative
@@ -70,18 +67,18 @@ def of_strength(data: Data, ratio: float) -> dict[int, float]:
 
 
 class Body(NamedTuple):
-    """The scattering of a body, S - 1, as blocks that couple lists of amplitudes."""
+    """The scattering of a body, S - 1, in the form in which `scatter` reads it."""
 
-    blocks: Any
-    """(blocks, 4) see ROWS and so on"""
     scattering: Any
-    """elements of all blocks by column: real parts of a column, then its imaginary parts"""
-    gathered: Any
-    """index of each amplitude of each vector of a block, in the real parts of `rotated`'s arrays"""
-    signs: Any
-    """(like `gathered`) sign with which it enters"""
+    """elements by column, with all real parts of a column before its imaginary parts. For a body of
+    revolution, see `_scatter_about_axis`; else the columns are modes in the order of `places`"""
+    places: Any
+    """(modes,) entry of each mode in the real parts of an array of amplitudes; empty for a body of
+    revolution"""
     degree: int
     """highest degree of S - 1"""
+    split: bool
+    """whether a mirror plane across the axis keeps the two classes of waves apart"""
 
 
 class Room(NamedTuple):
@@ -93,7 +90,7 @@ class Room(NamedTuple):
     im: Any
     work: Any
     light: Any
-    """amplitudes in the laboratory's frame"""
+    """amplitudes in the laboratory's frame, zero beyond the orders of the light"""
     combined: Any
     """combinations of orders, see `rotated.turn`"""
     p: Any
@@ -103,7 +100,7 @@ class Room(NamedTuple):
     t: Any
     """t = (S - 1) p"""
     gathered: Any
-    """(2 vectors, rows) amplitudes of a block, real and imaginary"""
+    """amplitudes of one order, or of all modes"""
     of_p: Any
     """(6, ...) s p and J p; empty where no derivatives are computed"""
     of_t: Any
@@ -114,8 +111,8 @@ class Room(NamedTuple):
 def body_of(data):  # type: ignore[no-untyped-def]
     """Return the `Body` of a force's data."""
     return Body(
-        matrix(data, BLOCKS), vector(data, SCATTERING), integers(data, GATHERED),
-        vector(data, SIGNS), int(number(data, DEGREE)),
+        vector(data, SCATTERING), integers(data, PLACES), int(number(data, DEGREE)),
+        number(data, SPLIT) != 0.0,
     )  # fmt: skip
 
 
@@ -124,63 +121,116 @@ def room_for(source, body, derivative):  # type: ignore[no-untyped-def]
     """Return the `Room` for the largest rule of a `Source`; `derivative`: with derivatives."""
     nodes = int(source.rules[-1, PADDED])
     stride, length = source.highest + 1, length_of(source.highest)
-    rows = 0
-    for block in range(len(body.blocks)):
-        rows = max(rows, int(body.blocks[block, ROWS]))
+    rows = max(8 * (stride + LANES), 2 * len(body.places))
     six = _SIX if derivative else 0
     return Room(
         np.empty((begin(source.rules[-1, PHASE]) + 3) * nodes), np.empty(nodes), np.empty(nodes),
         np.empty(nodes), np.empty(2 * nodes), np.empty((2, length)),
-        np.empty((2, 8 * stride * stride)), np.zeros((2, length)), np.zeros((2, length)),
-        np.zeros((2, length)), np.empty((2 * 2, rows)), np.zeros((six, 2, length)),
-        np.zeros((six, 2, length)),
+        np.empty((3, 8 * stride * LANES)), np.zeros((2, length)), np.zeros((2, length)),
+        np.zeros((2, length)), np.empty(rows),
+        np.zeros((six, 2, length)), np.zeros((six, 2, length)),
     )  # fmt: skip
 
 
 @named_njit(**OPTIONS)
 def scatter(body, p, highest, gathered, t):  # type: ignore[no-untyped-def]
-    """Fill `t` with (S - 1) p, block by block; `gathered` is room for amplitudes of a block."""
-    imaginary = imaginary_of(highest)
+    """Fill `t` with (S - 1) p; `gathered` is room for amplitudes."""
+    if len(body.places) == 0:
+        _scatter_about_axis(body, p, highest, gathered, t)
+        return
+    imaginary, modes = imaginary_of(highest), len(body.places)
     source, out = p.ravel(), t.ravel()
-    for b in range(len(body.blocks)):
-        rows, entry = int(body.blocks[b, ROWS]), int(body.blocks[b, ENTRY])
-        many, first = int(body.blocks[b, VECTORS]), int(body.blocks[b, LIST])
-        for i in range(many):
-            for j in range(rows):
-                index = body.gathered[first + i * rows + j]
-                sign = body.signs[first + i * rows + j]
-                gathered[2 * i, j] = sign * source[index]
-                gathered[2 * i + 1, j] = sign * source[index + imaginary]
-        for block in range(0, rows, LANES):
-            a_re, a_im, b_re, b_im = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
-            at = entry + block
-            for j in range(rows):
-                s_re, s_im = lanes(body.scattering, at), lanes(body.scattering, at + rows)
-                x, y = gathered[0, j], gathered[1, j]
-                a_re = a_re + s_re * x - s_im * y
-                a_im = a_im + s_re * y + s_im * x
-                if many > 1:
-                    x, y = gathered[2, j], gathered[3, j]
-                    b_re = b_re + s_re * x - s_im * y
-                    b_im = b_im + s_re * y + s_im * x
-                at += 2 * rows
-            _spread_out(body, out, imaginary, first + block, a_re, a_im)
-            if many > 1:
-                _spread_out(body, out, imaginary, first + rows + block, b_re, b_im)
+    padded = len(body.scattering) // (2 * modes)
+    for i in range(modes):
+        gathered[i] = source[body.places[i]]
+        gathered[modes + i] = source[body.places[i] + imaginary]
+    for first in range(0, padded, LANES):
+        re, im = spread(0.0), spread(0.0)
+        at = first
+        for i in range(modes):
+            s_re, s_im = lanes(body.scattering, at), lanes(body.scattering, at + padded)
+            x, y = gathered[i], gathered[modes + i]
+            re = re + s_re * x - s_im * y
+            im = im + s_re * y + s_im * x
+            at += 2 * padded
+        for i in range(first, min(first + LANES, modes)):
+            place = body.places[i]
+            out[place], out[place + imaginary] = of_lanes(re, i - first), of_lanes(im, i - first)
 
 
 @named_njit(**OPTIONS)
-def _spread_out(body, out, imaginary, first, re, im):  # type: ignore[no-untyped-def]
-    """Store eight amplitudes re, im at the places of entries `first`... of the lists of a body."""
-    values = np.empty(2 * LANES)
-    store(values, 0, re)
-    store(values, LANES, im)
-    for i in range(LANES):
-        sign = body.signs[first + i]
-        if sign != 0.0:
-            index = body.gathered[first + i]
-            out[index] = sign * values[i]
-            out[index + imaginary] = sign * values[LANES + i]
+def _scatter_about_axis(body, p, highest, classes, t):  # type: ignore[no-untyped-def]
+    """Fill `t` with (S - 1) p for a body of revolution, order by order.
+
+    The two classes of waves of an order have magnetic waves of every other degree, and electric
+    ones between them; the first has a magnetic wave at its lowest degree. S - 1 for the orders m
+    and -m is the same if the magnetic amplitudes of -m change their sign.
+
+    The elements are listed by order from the highest, by class of the scattered waves, and by class (the same
+    class, then the other one unless `body.split`) and degree of the incident wave. `classes` is
+    room for (2 signs of m, 2 classes, 2 parts, degrees).
+    """
+    degree, stride, imaginary = body.degree, highest + 1, imaginary_of(highest)
+    room = stride + LANES
+    entry = 0
+    # from the highest order: the last block of a row may reach into the row above it
+    for m in range(degree, -1, -1):
+        lowest = max(m, 1)
+        count = degree + 1 - lowest
+        padded = -(-count // LANES) * LANES
+        many = 2 if m > 0 else 1
+        for sign in range(many):
+            row = row_of(m if sign == 0 else -m, highest) + lowest
+            flip = 1.0 if sign == 0 else -1.0
+            for part in range(2):
+                to = (4 * sign + part) * room
+                for block in range(0, padded, LANES):
+                    at = row + part * imaginary + block
+                    electric, magnetic = lanes(p[0], at), flip * lanes(p[1], at)
+                    store(classes, to + block, alternated(magnetic, electric))
+                    store(classes, to + 2 * room + block, alternated(electric, magnetic))
+        of_class = count * 2 * padded * (1 if body.split else 2)
+        for block in range(0, padded, LANES):
+            first = _product(body, classes, room, entry + block, 0, count, padded, many)
+            other = _product(body, classes, room, entry + of_class + block, 1, count, padded, many)
+            at = row_of(m, highest) + lowest + block
+            store(t[0], at, alternated(other[0], first[0]))
+            store(t[0], at + imaginary, alternated(other[1], first[1]))
+            store(t[1], at, alternated(first[0], other[0]))
+            store(t[1], at + imaginary, alternated(first[1], other[1]))
+            if many > 1:
+                at = row_of(-m, highest) + lowest + block
+                store(t[0], at, alternated(other[2], first[2]))
+                store(t[0], at + imaginary, alternated(other[3], first[3]))
+                store(t[1], at, -alternated(first[2], other[2]))
+                store(t[1], at + imaginary, -alternated(first[3], other[3]))
+        entry += 2 * of_class
+
+
+@named_njit(**OPTIONS)
+def _product(body, classes, room, at, which, count, padded, many):  # type: ignore[no-untyped-def]
+    """Return eight scattered waves of a class, (re, im) for the order m and for -m.
+
+    `at` is the entry of the first element, and `which` the class of the incident waves that come
+    first.
+    """
+    a_re, a_im, b_re, b_im = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
+    c_re, c_im, d_re, d_im = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
+    for _ in range(1 if body.split else 2):
+        x = 2 * which * room
+        y = x + 4 * room
+        for i in range(count):
+            s_re, s_im = lanes(body.scattering, at), lanes(body.scattering, at + padded)
+            re, im = classes[x + i], classes[x + room + i]
+            a_re, c_re = a_re + s_re * re, c_re + s_im * im
+            a_im, c_im = a_im + s_re * im, c_im + s_im * re
+            if many > 1:
+                re, im = classes[y + i], classes[y + room + i]
+                b_re, d_re = b_re + s_re * re, d_re + s_im * im
+                b_im, d_im = b_im + s_re * im, d_im + s_im * re
+            at += 2 * padded
+        which = 1 - which
+    return a_re - c_re, a_im + c_im, b_re - d_re, b_im + d_im
 
 
 @named_njit(**OPTIONS)
@@ -215,6 +265,19 @@ def _elements_about(table, size, of, stride):  # type: ignore[no-untyped-def]
         lanes(table, _RAISED * size + of), lanes(table, _TURNED * size + of),
         lanes(table, _LOWERED * size + of),
     )  # fmt: skip
+
+
+@named_njit(**OPTIONS)
+def _combine(p, t, degree, highest, v):  # type: ignore[no-untyped-def]
+    """Fill `v` with 2p + t up to a degree."""
+    imaginary = imaginary_of(highest)
+    for component in range(2):
+        light, answer, out = p[component], t[component], v[component]
+        for m in range(-degree, degree + 1):
+            row = row_of(m, highest)
+            for block in range(abs(m) // LANES * LANES, degree + 1, LANES):
+                for at in (row + block, row + block + imaginary):
+                    store(out, at, 2.0 * lanes(light, at) + lanes(answer, at))
 
 
 @named_njit(**OPTIONS)
@@ -396,8 +459,20 @@ def _in_laboratory(frame, azimuth, derivative, found, out):  # type: ignore[no-u
 
 
 @named_njit(**OPTIONS)
+def _mixed(light, begin, end, imaginary):  # type: ignore[no-untyped-def]
+    """Replace the two helicities in rows from `begin` to `end` by electric and magnetic parts."""
+    half = math.sqrt(0.5)
+    plus, minus = light[0], light[1]
+    for first in (begin, begin + imaginary):
+        for at in range(first, first + end - begin, LANES):
+            a, b = half * lanes(plus, at), half * lanes(minus, at)
+            store(plus, at, a + b)
+            store(minus, at, a - b)
+
+
+@named_njit(**OPTIONS)
 def add_up(  # type: ignore[no-untyped-def]
-    data, source, body, derivative, position, orientation, room, frame, found, out
+    data, source, body, derivative, position, orientation, room, frame, own, found, out
 ):
     """Fill `out` with the sums for one body, in the laboratory; return whether a rule reaches it.
 
@@ -417,7 +492,7 @@ def add_up(  # type: ignore[no-untyped-def]
     table, states = vector(data, ELEMENTS), matrix(data, STATES)
     _frame_of(orientation, azimuth, frame)
     alpha, beta, gamma = _angles(frame)
-    if number(data, AXIAL) != 0.0:
+    if len(body.places) == 0:
         # the body may turn about its axis: take gamma = 0
         cosine, sine = gamma
         for i in range(3):
@@ -428,7 +503,12 @@ def add_up(  # type: ignore[no-untyped-def]
     found[:] = 0.0
     imaginary = imaginary_of(highest)
     for state in range(states.shape[0]):
-        room.light[:] = 0.0
+        orders = int(max(abs(states[state, LOWEST]), abs(states[state, HIGHEST]))) + most
+        orders = min(orders, highest)
+        lower, upper = row_of(-orders, highest), row_of(orders + 1, highest)
+        for k in range(2):
+            for i in range(lower, upper):
+                room.light[k, i] = room.light[k, i + imaginary] = 0.0
         for part in range(int(states[state, BEGIN]), int(states[state, END])):
             plane_waves(source, rule, part, z, room.norm, room.re, room.im)
             k = 1 if source.parts[part, HELICITY] < 0 else 0
@@ -436,23 +516,20 @@ def add_up(  # type: ignore[no-untyped-def]
                 source, rule, part, azimuth, most, room, -highest - MARGIN,
                 room.light[k, LANES : LANES + 2 * imaginary],
             )  # fmt: skip
-        _electric_and_magnetic(room.light, 2 * imaginary + LANES)
-        orders = max(abs(states[state, LOWEST]), abs(states[state, HIGHEST]))
+        _mixed(room.light, lower, upper, imaginary)
         turn(
             room.light, vector(data, DELTA), vector(data, ALTERNATING), highest,
-            int(orders) + most, alpha, beta, gamma, room.combined, room.p,
+            degree + (MARGIN if derivative else 1), orders, alpha, beta, gamma, room.combined,
+            room.p,
         )  # fmt: skip
         scatter(body, room.p, highest, room.gathered, room.t)
-        share = states[state, SHARE]
-        light, answer, both = room.p.ravel(), room.t.ravel(), room.v.ravel()
-        scale = math.sqrt(share)
-        for i in range(light.size):
-            light[i] *= scale
-            answer[i] *= scale
-            both[i] = 2.0 * light[i] + answer[i]
-        wrench_sums(room.p, room.t, room.v, table, degree, highest, found)
+        _combine(room.p, room.t, degree + 1, highest, room.v)
+        own[:] = 0.0
+        wrench_sums(room.p, room.t, room.v, table, degree, highest, own)
         if derivative:
-            derivative_sums(body, table, highest, room, found)
+            derivative_sums(body, table, highest, room, own)
+        for i in range(FOUND if derivative else DERIVATIVE):
+            found[i] += states[state, SHARE] * own[i]
     strength, wavenumber = number(data, STRENGTH), source.wavenumber
     unit = strength / number(data, OF_ALL)
     for i in range(3):
@@ -485,7 +562,8 @@ def body_kernel() -> Kernel:
         source, body = source_of(data, SOURCE), body_of(data)
         gradient = len(wrench.force_gradient) > 0
         room = room_for(source, body, gradient)
-        found, out, frame = np.empty(FOUND), np.empty(FOUND), np.empty((3, 3))
+        own, found, out = np.empty(FOUND), np.empty(FOUND), np.empty(FOUND)
+        frame = np.empty((3, 3))
         tolerance, floor = number(data, TOLERANCE), number(data, FLOOR)
         unsure = number(data, UNSURE) * number(data, OF_ALL)
         turned = len(pose.orientation) > 0
@@ -493,8 +571,8 @@ def body_kernel() -> Kernel:
         for at in range(pose.position.shape[0]):
             orientation = pose.orientation[at] if turned else upright
             if not add_up(
-                data, source, body, gradient, pose.position[at], orientation, room, frame, found,
-                out,
+                data, source, body, gradient, pose.position[at], orientation, room, frame, own,
+                found, out,
             ):  # fmt: skip
                 wrench.error[at] = math.inf
                 continue
@@ -528,12 +606,12 @@ def body_sums() -> Any:
         """Return the sums of `add_up` for bodies at positions and orientations."""
         source, body = source_of(data, SOURCE), body_of(data)
         room = room_for(source, body, derivative)
-        found, frame = np.empty(FOUND), np.empty((3, 3))
+        own, found, frame = np.empty(FOUND), np.empty(FOUND), np.empty((3, 3))
         out = np.full((len(positions), FOUND), np.nan)
         for at in range(len(positions)):
             add_up(
                 data, source, body, derivative, positions[at], orientations[at], room, frame,
-                found, out[at],
+                own, found, out[at],
             )  # fmt: skip
         return out
 
