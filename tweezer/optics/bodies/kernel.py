@@ -281,6 +281,24 @@ def _combine(p, t, degree, highest, v):  # type: ignore[no-untyped-def]
 
 
 @named_njit(**OPTIONS)
+def _with_component(  # type: ignore[no-untyped-def]
+    sums, light, answer, own, partner, at, stride, imaginary, m, lift_down, lift, about
+):
+    """Return the sums of `wrench_sums` with what (n, m) of one component adds, eight degrees n."""
+    re, im = lanes(answer, at), lanes(answer, at + imaginary)
+    n = _neighbours(own, partner, at, stride, imaginary)
+    x, y, z = bodies.force_summand(re, im, *n, *about)
+    a, b, c, lost = bodies.torque_summand(
+        re, im, n[2], n[3], n[8], n[9], n[14], n[15], m, lift_down, lift
+    )
+    re, im = lanes(light, at), lanes(light, at + imaginary)
+    return (
+        sums[0] + x, sums[1] + y, sums[2] + z, sums[3] + a, sums[4] + b, sums[5] + c,
+        sums[6] + lost, sums[7] + (re * re + im * im),
+    )  # fmt: skip
+
+
+@named_njit(**OPTIONS)
 def wrench_sums(p, t, v, table, degree, highest, found):  # type: ignore[no-untyped-def]
     """Add force, torque, absorbed power and |p|^2 to `found`, from p, t and v = 2p + t.
 
@@ -288,29 +306,26 @@ def wrench_sums(p, t, v, table, degree, highest, found):  # type: ignore[no-unty
     """
     stride, imaginary = highest + 1, imaginary_of(highest)
     size = (2 * highest + 1) * stride
-    x, y, z = spread(0.0), spread(0.0), spread(0.0)
-    a, b, c = spread(0.0), spread(0.0), spread(0.0)
-    lost, felt = spread(0.0), spread(0.0)
-    for component in range(2):
-        own, partner, answer, light = v[component], v[1 - component], t[component], p[component]
-        for m in range(-degree, degree + 1):
-            row, elements = row_of(m, highest), stride + LANES + (m + highest) * stride
-            for block in range(abs(m) // LANES * LANES, degree + 1, LANES):
-                at, of = row + block, elements + block
-                re, im = lanes(answer, at), lanes(answer, at + imaginary)
-                n = _neighbours(own, partner, at, stride, imaginary)
-                f, g, h = bodies.force_summand(
-                    re, im, *n, *_elements_about(table, size, of, stride)
-                )
-                x, y, z = x + f, y + g, z + h
-                f, g, h, power = bodies.torque_summand(
-                    re, im, n[2], n[3], n[8], n[9], n[14], n[15], float(m),
-                    lanes(table, _LIFT * size + of - stride), lanes(table, _LIFT * size + of),
-                )  # fmt: skip
-                a, b, c, lost = a + f, b + g, c + h, lost + power
-                re, im = lanes(light, at), lanes(light, at + imaginary)
-                felt = felt + (re * re + im * im)
-    for i, value in enumerate((x, y, z, a, b, c, lost, felt)):
+    sums = (
+        spread(0.0), spread(0.0), spread(0.0), spread(0.0), spread(0.0), spread(0.0), spread(0.0),
+        spread(0.0),
+    )  # fmt: skip
+    for m in range(-degree, degree + 1):
+        row, elements = row_of(m, highest), stride + LANES + (m + highest) * stride
+        for block in range(abs(m) // LANES * LANES, degree + 1, LANES):
+            at, of = row + block, elements + block
+            about = _elements_about(table, size, of, stride)
+            lift_down = lanes(table, _LIFT * size + of - stride)
+            lift = lanes(table, _LIFT * size + of)
+            sums = _with_component(
+                sums, p[0], t[0], v[0], v[1], at, stride, imaginary, float(m), lift_down, lift,
+                about,
+            )  # fmt: skip
+            sums = _with_component(
+                sums, p[1], t[1], v[1], v[0], at, stride, imaginary, float(m), lift_down, lift,
+                about,
+            )  # fmt: skip
+    for i, value in enumerate(sums):
         found[i] += total(value)
 
 
