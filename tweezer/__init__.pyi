@@ -12,6 +12,7 @@ from .optics import (
     optical_jacobian,
     optical_torque,
 )
+from .optics.bodies.files import load_t_matrix
 from .optics.bodies.shapes import t_matrix
 from .optics.bodies.t_matrix import TMatrix
 from .optics.of_scene import light
@@ -88,6 +89,7 @@ __all__ = [
     "load_recording",
     "load_run",
     "load_scene",
+    "load_t_matrix",
     "load_track",
     "optical_force",
     "optical_force_error",

@@ -166,9 +166,9 @@ def _scatter_about_axis(body, p, highest, classes, t):  # type: ignore[no-untype
     ones between them; the first has a magnetic wave at its lowest degree. S - 1 for the orders m
     and -m is the same if the magnetic amplitudes of -m change their sign.
 
-    The elements are listed by order from the highest, by class of the scattered waves, and by class (the same
-    class, then the other one unless `body.split`) and degree of the incident wave. `classes` is
-    room for (2 signs of m, 2 classes, 2 parts, degrees).
+    The elements are listed by order from the highest, by class of the scattered waves, and by class
+    (the same class, then the other one unless `body.split`) and degree of the incident wave.
+    `classes` is room for (2 signs of m, 2 classes, 2 parts, degrees).
     """
     degree, stride, imaginary = body.degree, highest + 1, imaginary_of(highest)
     room = stride + LANES

@@ -37,8 +37,8 @@ def modes_up_to(degree: int) -> Integers:
     return np.array(rows, np.int64)
 
 
-@dataclass(frozen=True, eq=False)
-class TMatrix:
+@dataclass(frozen=True, eq=False, repr=False)
+class TMatrix(Shown):
     """T-matrix of a body about its origin, in the body's frame. `tweezer.t_matrix` returns one."""
 
     matrix: ComplexArray
@@ -125,6 +125,19 @@ class TMatrix:
         from tweezer.optics.bodies.saved import save_t_matrix
 
         return save_t_matrix(self, path, polarisation=polarisation, **about)
+
+    def card(self) -> Card:
+        """Return the card with size, degree and certificates."""
+        rows = (
+            Row("encloses", f"{printed(self.radius, 'um')} about its origin"),
+            Row("modes", f"{len(self.modes)}, up to degree {self.degree}"),
+            Row("shape", "body of revolution" if self.axial else "without an axis"),
+            Row("absorbs", "no" if self.lossless else "yes"),
+            Row("error", f"{self.error:.1g}"),
+            Row("unitarity", f"{self.unitarity:.1g}"),
+            Row("reciprocity", f"{self.reciprocity:.1g}"),
+        )
+        return Card("TMatrix", "", rows)
 
     def cut(self, degree: int) -> TMatrix:
         """Return this T-matrix without the modes above a degree."""
