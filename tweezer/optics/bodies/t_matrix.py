@@ -18,6 +18,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.values.printed import printed
+from tweezer.values.shown import Card, Row, Shown
+
 ComplexArray = NDArray[np.complex128]
 Integers = NDArray[np.int64]
 
