@@ -27,7 +27,6 @@ import sympy as sp
 
 from . import symbols as sy
 from .equations import Equation
-from .symbols import Quantity
 from .waves import Named, Pair, im_of_product, named, pair, re_of_product
 
 _HALF = sp.Float(0.5)
@@ -90,9 +89,9 @@ TORQUE = sp.Matrix([*_minus_re_of_products(*_J), -re_of_product(t, v)])
 
 # --- derivatives ---------------------------------------------------------------------------------
 # A displacement dr of the body changes the light by i k (s.dr) p, a rotation by d eps about the
-# body's axes by i (J.d eps) p. With A and B each one of s and J, and dt = (S - 1) i B p,
+# body's axes by i (J.d eps) p. With A and B each one of s and J,
 #
-#     d(-Re<t|A|v>) = -2 Re<dt|A q> - 2 Re<A t|i B p>,    q = p + t.
+#     d(-Re<t|A|v>) = 2 Im<h|B p>,    h = A t + (S - 1)^+ A q,    q = p + t.
 
 #: s_x, s_y, s_z, J_x, J_y and J_z on the amplitudes, at (n, m)
 GENERATORS = (
@@ -101,22 +100,10 @@ GENERATORS = (
 GENERATORS_PARTS: Named = (*FORCE_PARTS, *TORQUE_PARTS)
 
 
-def _pairs(quantities: Iterable[tuple[Quantity, Quantity]]) -> tuple[Pair, ...]:
-    return tuple(pair(names) for names in quantities)
-
-
-_of_p, _of_t = _pairs(sy.GENERATED_P), _pairs(sy.GENERATED_T)
-_dt, _Bp = pair(sy.TWICE_CHANGE_RATE), pair(sy.TWICE_GENERATED)
-DERIVATIVE_PARTS = named(
-    (sy.TWICE_CHANGE_RATE, 2 * pair(sy.CHANGE_RATE)), (sy.TWICE_GENERATED, 2 * pair(sy.GENERATED))
-)
-#: derivatives of the six -Re<t|A|v> by the generator B
-DERIVATIVE = sp.Matrix(
-    [
-        im_of_product(a_t, _Bp) - re_of_product(_dt, a_p + a_t)
-        for a_p, a_t in zip(_of_p, _of_t, strict=True)
-    ]
-)
+_twice_h = pair(sy.TWICE_RETURNED)
+DERIVATIVE_PARTS = named((sy.TWICE_RETURNED, 2 * pair(sy.RETURNED)))
+#: derivatives of -Re<t|A|v> by the six generators B
+DERIVATIVE = sp.Matrix([im_of_product(_twice_h, pair(names)) for names in sy.GENERATED])
 
 # --- rotations ---------------------------------------------------------------------------------
 # A field turned by R = Rz(alpha) Ry(beta) Rz(gamma) has the amplitudes D(R) p, whatever the

@@ -910,14 +910,14 @@ def _bodies() -> Module:
             ),
             Function(
                 "derivative_summand",
-                "What (n, m) of one component adds to the derivatives of force and torque over\n"
-                "k r_j (B = s_j) or over the angle about the body's axis j (B = J_j). Force and\n"
-                "torque are in the body's axes, which turn with it. If t ends at N, the sum goes\n"
-                "to N+1.",
-                _parts(sy.CHANGE_RATE, sy.GENERATED, *sy.GENERATED_P, *sy.GENERATED_T),
+                "What (n, m) of one component adds to the derivatives of one component of force\n"
+                "(A = s_i) or torque (A = J_i) over k r_j and over the angles about the body's\n"
+                "axes j. Force and torque are in the body's axes, which turn with it. If t ends\n"
+                "at N, the sum goes to N+1.",
+                _parts(sy.RETURNED, *sy.GENERATED),
                 bodies.DERIVATIVE,
                 bodies.DERIVATIVE_PARTS,
-                ("Fx", "Fy", "Fz", "Mx", "My", "Mz"),
+                ("x", "y", "z", "about_x", "about_y", "about_z"),
             ),
         ),
         ("bodies.py", "waves.py"),

@@ -331,14 +331,11 @@ def _on_amplitudes(operator: str, of: str, components: str) -> dict[str, tuple[Q
 
 DIRECTED_V = _on_amplitudes("s", "", "plus minus z")
 TURNED_V = _on_amplitudes("J", "", "plus minus z")
-GENERATED_P, GENERATED_T = (
-    tuple(each for operator in "sJ" for each in _on_amplitudes(operator, of, "x y z").values())
-    for of in "pt"
+GENERATED = tuple(
+    each for operator in "sJ" for each in _on_amplitudes(operator, "p", "x y z").values()
 )
-GENERATED = _complex("B_p", "B p at (n, m)")
-CHANGE_RATE = _complex("dt", "(S - 1) i B p at (n, m)")
-TWICE_GENERATED = _complex("twice_B_p", "B p at (n, m), twice")
-TWICE_CHANGE_RATE = _complex("twice_dt", "(S - 1) i B p at (n, m), twice")
+RETURNED = _complex("h", "A t + (S - 1)^+ A q at (n, m)")
+TWICE_RETURNED = _complex("twice_h", "A t + (S - 1)^+ A q at (n, m), twice")
 
 INDEX_BEFORE_FACE = _quantity("n1", "1", "index before the plane face", positive=True)
 INDEX_BEHIND_FACE = _quantity("n2", "1", "index behind the plane face", positive=True)

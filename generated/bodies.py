@@ -1,7 +1,7 @@
 """The force and torque of light on a body of any shape: what is summed over (n, m).
 
 Made by `python -m derivation` from derivation/bodies.py and derivation/waves.py; do not edit.
-SymPy 1.14.0. 222 operations, 10 temporaries.
+SymPy 1.14.0. 184 operations, 10 temporaries.
 
 The light before and after the body has the amplitudes p and q = S p, about the body's
 origin and in its frame; t = q - p and v = p + q. They have two components, electric and
@@ -372,10 +372,8 @@ def generators(
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def derivative_summand(
-    dt_re,
-    dt_im,
-    B_p_re,
-    B_p_im,
+    h_re,
+    h_im,
     s_x_p_re,
     s_x_p_im,
     s_y_p_re,
@@ -388,28 +386,14 @@ def derivative_summand(
     J_y_p_im,
     J_z_p_re,
     J_z_p_im,
-    s_x_t_re,
-    s_x_t_im,
-    s_y_t_re,
-    s_y_t_im,
-    s_z_t_re,
-    s_z_t_im,
-    J_x_t_re,
-    J_x_t_im,
-    J_y_t_re,
-    J_y_t_im,
-    J_z_t_re,
-    J_z_t_im,
 ):
-    """What (n, m) of one component adds to the derivatives of force and torque over
-    k r_j (B = s_j) or over the angle about the body's axis j (B = J_j). Force and
-    torque are in the body's axes, which turn with it. If t ends at N, the sum goes
-    to N+1.
+    """What (n, m) of one component adds to the derivatives of one component of force
+    (A = s_i) or torque (A = J_i) over k r_j and over the angles about the body's
+    axes j. Force and torque are in the body's axes, which turn with it. If t ends
+    at N, the sum goes to N+1.
 
-    dt_re: (S - 1) i B p at (n, m), real part [1]
-    dt_im: (S - 1) i B p at (n, m), imaginary part [1]
-    B_p_re: B p at (n, m), real part [1]
-    B_p_im: B p at (n, m), imaginary part [1]
+    h_re: A t + (S - 1)^+ A q at (n, m), real part [1]
+    h_im: A t + (S - 1)^+ A q at (n, m), imaginary part [1]
     s_x_p_re: s_x p at (n, m), real part [1]
     s_x_p_im: s_x p at (n, m), imaginary part [1]
     s_y_p_re: s_y p at (n, m), real part [1]
@@ -422,59 +406,15 @@ def derivative_summand(
     J_y_p_im: J_y p at (n, m), imaginary part [1]
     J_z_p_re: J_z p at (n, m), real part [1]
     J_z_p_im: J_z p at (n, m), imaginary part [1]
-    s_x_t_re: s_x t at (n, m), real part [1]
-    s_x_t_im: s_x t at (n, m), imaginary part [1]
-    s_y_t_re: s_y t at (n, m), real part [1]
-    s_y_t_im: s_y t at (n, m), imaginary part [1]
-    s_z_t_re: s_z t at (n, m), real part [1]
-    s_z_t_im: s_z t at (n, m), imaginary part [1]
-    J_x_t_re: J_x t at (n, m), real part [1]
-    J_x_t_im: J_x t at (n, m), imaginary part [1]
-    J_y_t_re: J_y t at (n, m), real part [1]
-    J_y_t_im: J_y t at (n, m), imaginary part [1]
-    J_z_t_re: J_z t at (n, m), real part [1]
-    J_z_t_im: J_z t at (n, m), imaginary part [1]
-    Returns Fx, Fy, Fz, Mx, My, Mz.
-    58 operations, 0 temporaries.
+    Returns x, y, z, about_x, about_y, about_z.
+    20 operations, 0 temporaries.
     """
-    twice_dt_re = 2.0 * dt_re
-    twice_dt_im = 2.0 * dt_im
-    twice_B_p_re = 2.0 * B_p_re
-    twice_B_p_im = 2.0 * B_p_im
-    Fx = (
-        -s_x_t_im * twice_B_p_re
-        + s_x_t_re * twice_B_p_im
-        - twice_dt_im * (s_x_p_im + s_x_t_im)
-        - twice_dt_re * (s_x_p_re + s_x_t_re)
-    )
-    Fy = (
-        -s_y_t_im * twice_B_p_re
-        + s_y_t_re * twice_B_p_im
-        - twice_dt_im * (s_y_p_im + s_y_t_im)
-        - twice_dt_re * (s_y_p_re + s_y_t_re)
-    )
-    Fz = (
-        -s_z_t_im * twice_B_p_re
-        + s_z_t_re * twice_B_p_im
-        - twice_dt_im * (s_z_p_im + s_z_t_im)
-        - twice_dt_re * (s_z_p_re + s_z_t_re)
-    )
-    Mx = (
-        -J_x_t_im * twice_B_p_re
-        + J_x_t_re * twice_B_p_im
-        - twice_dt_im * (J_x_p_im + J_x_t_im)
-        - twice_dt_re * (J_x_p_re + J_x_t_re)
-    )
-    My = (
-        -J_y_t_im * twice_B_p_re
-        + J_y_t_re * twice_B_p_im
-        - twice_dt_im * (J_y_p_im + J_y_t_im)
-        - twice_dt_re * (J_y_p_re + J_y_t_re)
-    )
-    Mz = (
-        -J_z_t_im * twice_B_p_re
-        + J_z_t_re * twice_B_p_im
-        - twice_dt_im * (J_z_p_im + J_z_t_im)
-        - twice_dt_re * (J_z_p_re + J_z_t_re)
-    )
-    return Fx, Fy, Fz, Mx, My, Mz
+    twice_h_re = 2.0 * h_re
+    twice_h_im = 2.0 * h_im
+    x = s_x_p_im * twice_h_re - s_x_p_re * twice_h_im
+    y = s_y_p_im * twice_h_re - s_y_p_re * twice_h_im
+    z = s_z_p_im * twice_h_re - s_z_p_re * twice_h_im
+    about_x = J_x_p_im * twice_h_re - J_x_p_re * twice_h_im
+    about_y = J_y_p_im * twice_h_re - J_y_p_re * twice_h_im
+    about_z = J_z_p_im * twice_h_re - J_z_p_re * twice_h_im
+    return x, y, z, about_x, about_y, about_z

@@ -105,6 +105,8 @@ class Room(NamedTuple):
     """(6, ...) s p and J p; empty where no derivatives are computed"""
     of_t: Any
     """(6, ...) s t and J t"""
+    back: Any
+    """(S - 1) of a time-reversed field, zero above its degree"""
 
 
 @named_njit(**OPTIONS)
@@ -129,6 +131,7 @@ def room_for(source, body, derivative):  # type: ignore[no-untyped-def]
         np.empty((3, 8 * stride * LANES)), np.zeros((2, length)), np.zeros((2, length)),
         np.zeros((2, length)), np.empty(rows),
         np.zeros((six, 2, length)), np.zeros((six, 2, length)),
+        np.zeros((2, length)),
     )  # fmt: skip
 
 
@@ -354,51 +357,95 @@ def _generated(field, table, degree, highest, out):  # type: ignore[no-untyped-d
 
 
 @named_njit(**OPTIONS)
+def _reversed(m, re, im):  # type: ignore[no-untyped-def]
+    """Return amplitudes at (n, m) of a field as those of its time reversal at (n, -m), eight n.
+
+    They are (-1)^(n+m) times the conjugate. By reciprocity (S - 1)^+ is S - 1 between time
+    reversals.
+    """
+    if m % 2 == 0:
+        return alternated(re, -re), alternated(-im, im)
+    return alternated(-re, re), alternated(im, -im)
+
+
+@named_njit(**OPTIONS)
+def _reversed_sum(one, other, degree, highest, out):  # type: ignore[no-untyped-def]
+    """Fill `out` with the time reversal of the sum of two fields up to a degree."""
+    imaginary = imaginary_of(highest)
+    for component in range(2):
+        a, b, reversed_ = one[component], other[component], out[component]
+        for m in range(-degree, degree + 1):
+            row, to = row_of(m, highest), row_of(-m, highest)
+            for block in range(abs(m) // LANES * LANES, degree + 1, LANES):
+                at = row + block
+                part = at + imaginary
+                re, im = _reversed(m, lanes(a, at) + lanes(b, at), lanes(a, part) + lanes(b, part))
+                store(reversed_, to + block, re)
+                store(reversed_, to + block + imaginary, im)
+
+
+@named_njit(**OPTIONS)
+def _returned(of_t, t, at, opposite, imaginary, m):  # type: ignore[no-untyped-def]
+    """Return h = A t + (S - 1)^+ A q at (n, m), eight n, from A t and the reversed second term."""
+    re, im = _reversed(m, lanes(t, opposite), lanes(t, opposite + imaginary))
+    return lanes(of_t, at) + re, lanes(of_t, at + imaginary) + im
+
+
+@named_njit(**OPTIONS)
+def _added(sums, more):  # type: ignore[no-untyped-def]
+    """Return the sums of two tuples of six, one by one."""
+    return (
+        sums[0] + more[0], sums[1] + more[1], sums[2] + more[2], sums[3] + more[3],
+        sums[4] + more[4], sums[5] + more[5],
+    )  # fmt: skip
+
+
+@named_njit(**OPTIONS)
 def derivative_sums(body, table, highest, room, found):  # type: ignore[no-untyped-def]
     """Add the derivatives of force and torque over the six motions of the body to `found`.
 
-    They are over k r and over angles, about the body's axes, which turn with it.
+    They are over k r and over angles, about the body's axes, which turn with it. Two of the six
+    components of force and torque are computed together, since the sums wait for memory.
     """
     degree, imaginary = body.degree, imaginary_of(highest)
     _generated(room.p, table, degree + 1, highest, room.of_p)
     _generated(room.t, table, degree + 1, highest, room.of_t)
-    for j in range(_SIX):
-        scatter(body, room.of_p[j], highest, room.gathered, room.t)
-        sums = (spread(0.0), spread(0.0), spread(0.0), spread(0.0), spread(0.0), spread(0.0))
+    for i in range(0, _SIX, 2):
+        for which in range(2):
+            _reversed_sum(room.of_p[i + which], room.of_t[i + which], degree, highest, room.p)
+            scatter(body, room.p, highest, room.gathered, room.t if which == 0 else room.back)
+        ones = (spread(0.0), spread(0.0), spread(0.0), spread(0.0), spread(0.0), spread(0.0))
+        others = ones
         for component in range(2):
-            answer, moved = room.t[component], room.of_p[j, component]
-            p0, p1, p2 = (
-                room.of_p[0, component], room.of_p[1, component], room.of_p[2, component]
-            )  # fmt: skip
-            p3, p4, p5 = (
-                room.of_p[3, component], room.of_p[4, component], room.of_p[5, component]
-            )  # fmt: skip
-            t0, t1, t2 = (
-                room.of_t[0, component], room.of_t[1, component], room.of_t[2, component]
-            )  # fmt: skip
-            t3, t4, t5 = (
-                room.of_t[3, component], room.of_t[4, component], room.of_t[5, component]
-            )  # fmt: skip
+            a, b, c = room.of_p[0, component], room.of_p[1, component], room.of_p[2, component]
+            d, e, f = room.of_p[3, component], room.of_p[4, component], room.of_p[5, component]
             for m in range(-degree - 1, degree + 2):
-                row = row_of(m, highest)
+                row, mirrored = row_of(m, highest), row_of(-m, highest)
                 for block in range(abs(m) // LANES * LANES, degree + 2, LANES):
-                    at = row + block
-                    i = at + imaginary
-                    added = bodies.derivative_summand(
-                        -lanes(answer, i), lanes(answer, at), lanes(moved, at), lanes(moved, i),
-                        lanes(p0, at), lanes(p0, i), lanes(p1, at), lanes(p1, i),
-                        lanes(p2, at), lanes(p2, i), lanes(p3, at), lanes(p3, i),
-                        lanes(p4, at), lanes(p4, i), lanes(p5, at), lanes(p5, i),
-                        lanes(t0, at), lanes(t0, i), lanes(t1, at), lanes(t1, i),
-                        lanes(t2, at), lanes(t2, i), lanes(t3, at), lanes(t3, i),
-                        lanes(t4, at), lanes(t4, i), lanes(t5, at), lanes(t5, i),
+                    at, opposite = row + block, mirrored + block
+                    part = at + imaginary
+                    of_p = (
+                        lanes(a, at), lanes(a, part), lanes(b, at), lanes(b, part), lanes(c, at),
+                        lanes(c, part), lanes(d, at), lanes(d, part), lanes(e, at), lanes(e, part),
+                        lanes(f, at), lanes(f, part),
                     )  # fmt: skip
-                    sums = (
-                        sums[0] + added[0], sums[1] + added[1], sums[2] + added[2],
-                        sums[3] + added[3], sums[4] + added[4], sums[5] + added[5],
-                    )  # fmt: skip
-        for i, value in enumerate(sums):
+                    re, im = _returned(
+                        room.of_t[i, component], room.t[component], at, opposite, imaginary, m
+                    )
+                    ones = _added(ones, bodies.derivative_summand(re, im, *of_p))
+                    re, im = _returned(
+                        room.of_t[i + 1, component],
+                        room.back[component],
+                        at,
+                        opposite,
+                        imaginary,
+                        m,
+                    )
+                    others = _added(others, bodies.derivative_summand(re, im, *of_p))
+        for j, value in enumerate(ones):
             found[DERIVATIVE + _SIX * i + j] += total(value)
+        for j, value in enumerate(others):
+            found[DERIVATIVE + _SIX * (i + 1) + j] += total(value)
 
 
 @named_njit(**OPTIONS)
