@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float], None]
 AnyMade = TypeVar("AnyMade", bound="Made")
+AnyKept = TypeVar("AnyKept")
 
 _log = logging.getLogger("tweezer")
 
@@ -142,7 +143,7 @@ def stored(
     """
     if key in _in_memory:
         return _in_memory[key]
-    made, path = _kept(key, kind, make)
+    made, path = kept(key, kind, make)
     reached = made.certified / made.largest if made.largest else 0.0
     if reached > tolerance:
         warn(
@@ -186,9 +187,7 @@ def tables_folder() -> Path:
     return user_cache_path("tweezer") / "tables"
 
 
-def _kept(
-    key: str, kind: type[AnyMade], make: Callable[[], AnyMade]
-) -> tuple[AnyMade, Path | None]:
+def kept(key: str, kind: type[AnyKept], make: Callable[[], AnyKept]) -> tuple[AnyKept, Path | None]:
     """Return the table in the cache folder, and its file; compute it if missing or damaged.
 
     `key`, `kind` and `make` are described in `stored`. If the table could not be written, no file
@@ -250,7 +249,7 @@ def _save(path: Path, key: str, made: Any) -> None:
         whole.write(hashlib.sha256(key.encode() + content).digest() + content)
 
 
-def _load(path: Path, key: str, kind: type[AnyMade]) -> AnyMade | None:
+def _load(path: Path, key: str, kind: type[AnyKept]) -> AnyKept | None:
     """Return a saved table of the class `kind`; None if the file is missing or damaged."""
     try:
         content = path.read_bytes()

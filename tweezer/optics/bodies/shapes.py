@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 import math
 from typing import Any
 
 import numpy as np
 
+from tweezer.optics import table
 from tweezer.optics.bodies.t_matrix import TMatrix, sphere_t_matrix
 from tweezer.scene import SceneLike, checked_scene
 from tweezer.scene.choices import SHAPES, at
@@ -17,6 +19,14 @@ from tweezer.values.errors import SceneError
 _LARGEST_ASPECT, _LARGEST_SPHEROID = 5.0, 30.0
 #: Largest k times the radius that encloses a cluster
 _LARGEST_CLUSTER = 30.0
+#: Code that computes the T-matrix of a cluster, which is kept in the cache folder. That of a
+#: spheroid takes less time than reading it
+_SOURCES = table.sources(
+    *(
+        f"optics.{name}"
+        for name in ("bodies.cluster", "bodies.translation", "bodies.rotation", "waves.sphere")
+    )
+)
 #: Largest error of an element of S - 1
 _LARGEST_ERROR = 1e-6
 
@@ -109,8 +119,10 @@ def cluster(bead: Any, wavenumber: float, refractive_index: float) -> TMatrix:
         (np.array(centre), each.radius, _complex(each.refractive_index) / refractive_index)
         for centre, each in zip(bead.centres, bead.spheres, strict=True)
     )
-    found: TMatrix = cluster_t_matrix(spheres, wavenumber, refractive_index)
-    return found
+    said = [(*centre, *rest) for centre, *rest in spheres]
+    key = hashlib.sha256(f"{_SOURCES}{said}{wavenumber}{refractive_index}".encode()).hexdigest()
+    make = functools.partial(cluster_t_matrix, spheres, wavenumber, refractive_index)
+    return table.kept(key, TMatrix, make)[0]
 
 
 def from_file(bead: Any, wavenumber: float, refractive_index: float) -> TMatrix:
