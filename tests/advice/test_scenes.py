@@ -30,7 +30,8 @@ DECIDED_BY_PEOPLE = re.compile(
     r"must be perpendicular to|must be larger|must be 0$|"
     r"cannot be combined with layers|has \d+ entries|must be given if drawn|"
     r"must be at z = 0|must reach|requires ray optics, and|"
-    r"must be true or false$|must be convertible to K|has the wrong unit; must be a number"
+    r"must be true or false$|must be convertible to K|has the wrong unit; must be a number|"
+    r"must have a finite length above 0$"
 )
 
 
