@@ -880,6 +880,7 @@ def test_map_without_a_place_to_keep_it(command_line, monkeypatch, tmp_path):
     [(["beam.polarisation=linear", "optics.theory=rays"], "optics.evaluator = .map.: rays need .*"),
      (["beam.power_through_pupil=0"], "optics.evaluator = 'map': requires light, .*"),
      (["optics.evaluator=grid"], "optics.evaluator = 'grid': must be 'map' .*"),
+     (["bead.shape=spheroid", "bead.length=2 um"], "bead.shape = 'spheroid': .* no force map, .*"),
      (["optics.table_range=0.4"], "optics.table_range = 0.4: must be from 0.5 to 20")],
 )  # fmt: skip
 def test_map_refuses_bad_input_in_one_line(command_line, settings, line):

@@ -26,6 +26,11 @@ from tweezer.values.errors import SceneError, warn
 _FOREVER = 1e9
 #: Largest deviation of the light from its table without a warning, as a part of the peak
 _UNEVEN = 1e-3
+#: Why a bead that is not a sphere has no force map
+_NO_MAP = (
+    "a body that turns has no force map, because its force depends on five or six coordinates and "
+    "direct sums are as fast"
+)
 
 
 @dataclass(frozen=True)
@@ -167,11 +172,7 @@ def light_of_one_beam(scene: Scene) -> LightForce:
     by = evaluator(scene.optics.evaluator)
     theory = scene.theory if scene.bead.shape == "sphere" else "bodies"
     if theory not in by.places:
-        raise SceneError(
-            f"optics.evaluator = {by.name!r}: a body that turns has no force map, because its "
-            "force depends on five or six coordinates and direct sums are as fast; allowed: auto, "
-            "quadrature"
-        )
+        raise SceneError(f"optics.evaluator = {by.name!r}: {_NO_MAP}; allowed: auto, quadrature")
     force: LightForce = by.load(theory)(scene)
     if (off := force.light.cone.deviation) > _UNEVEN:
         warn(
@@ -201,14 +202,17 @@ def force_map(scene: Scene, progress: Progress | None = None) -> Table:
     needs the same table waits for the first. One table serves every power of the light, and all
     scenes that differ only in scale; with wave optics the wavelength is scaled too.
 
-    Raises `SceneError` for a scene without light, or for linear polarisation of rays. Warns
-    (`PhysicsWarning`) if the tolerance is not reached; `Table.certified_error` is the actual bound.
-    Also warns if the file is damaged, and is then computed again, or if it cannot be written.
+    Raises `SceneError` for a scene without light, for a bead that is not a sphere, or for linear
+    polarisation of rays. Warns (`PhysicsWarning`) if the tolerance is not reached;
+    `Table.certified_error` is the actual bound. Also warns if the file is damaged, and is then
+    computed again, or if it cannot be written.
     """
     if scene.more_beams:
         raise SceneError("beam: a map requires a single beam; a run computes the map of each beam")
     if not scene.lit:
         raise SceneError("optics.evaluator = 'map': requires light, but the scene is dark")
+    if scene.bead.shape != "sphere":
+        raise SceneError(f"bead.shape = {scene.bead.shape!r}: {_NO_MAP}")
     made: Table = at(THEORIES[scene.theory].map)(scene, progress)
     return made
 
