@@ -36,6 +36,8 @@ figures: .venv/.dev  ## every figure and number of the documentation again
 		$(BIN)/tweezer run $$name --plot docs/figures/gallery/$$name.png --overwrite; done
 	$(BIN)/tweezer run thesis-990nm --plot docs/figures/thesis-990nm.png --overwrite
 	$(BIN)/tweezer trap silica-1um --plot docs/figures/trap-silica-1um.png
+	$(BIN)/tweezer trap polystyrene-500nm --set bead.shape=spheroid --set "bead.diameter=0.4 um" \
+		--set "bead.length=0.8 um" --plot docs/figures/trap-rod.png
 	$(BIN)/python -m tests.pictures
 	$(BIN)/python docs/knobs.py
 	$(BIN)/tweezer trap silica-1um --heights "0.6 um" "10 um" --set lens.cover.refractive_index=1.518 \
