@@ -27,6 +27,7 @@ CALLS = {
     "optical_force_error": lambda scene: tweezer.optical_force_error(scene, [0, 0, 1e-7]),
     "optical_jacobian": lambda scene: tweezer.optical_jacobian(scene, [0, 0, 1e-7]),
     "optical_torque": lambda scene: tweezer.optical_torque(scene, [0, 0, 1e-7]),
+    "t_matrix": lambda scene: tweezer.t_matrix(scene).error,
     "simulate": lambda scene: tweezer.simulate(scene, "10 us")["position"].values,
 }
 #: and longer ones, which only have to find the scene
