@@ -1,10 +1,10 @@
-"""What the site takes from elsewhere: notebooks, scene schema, commands; formulas as MathML.
+"""Generated parts of the site: notebooks, scene keys, commands, and formulas as MathML.
 
-Figures of notebooks become files, with the text that the metadata of their cell have for those who
-do not see them. The gallery has each shipped scene, with its page that plays, which `plays.py`
-makes meanwhile; where TWEEZER_PLAYS is set, of the scenes that it names alone, as a test does.
+Figures of notebooks become files, with the alternative text that the metadata of their cells
+contain. The gallery shows each shipped scene with its interactive page, which `plays.py` makes in
+the background. If TWEEZER_PLAYS is set, the gallery contains only the scenes that it names.
 
-Called by mkdocs (`hooks` in mkdocs.yml).
+mkdocs calls this module (`hooks` in mkdocs.yml).
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ KEYS = {
     ),
 }  # fmt: skip
 
-#: pages that are made from a source; links of docs/ lead to what the repository has
+#: Pages that are generated from a source file, by its path; links in docs/ use this path
 MADE = {
     "tweezer/scene/scene.py": "scenes.md", "tweezer/cli/": INDEX,
     "tweezer/scenes/": "gallery.md",
@@ -166,7 +166,19 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
 
 @event_priority(50)  # before figures are made to enlarge
 def on_page_content(content: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Replace LaTeX in pages and notebooks by MathML, which browsers draw without a library."""
+    """Replace LaTeX in pages and notebooks by MathML, which browsers draw without a library.
+
+    Parameters
+    ----------
+    content : str
+        HTML of the page.
+    page : Page
+        The page.
+    config : MkDocsConfig
+        Configuration of the site.
+    files : Files
+        Files of the site.
+    """
     if page.file.src_uri in NOTEBOOKS:
         content = _of_a_notebook(content, page, config, files)
 
@@ -198,7 +210,7 @@ def on_page_content(content: str, page: Page, config: MkDocsConfig, files: Files
         content = _TABLE.sub(_labelled, content)
 
     def sized(image: re.Match[str]) -> str:
-        path = ROOT / "docs" / image[1]  # mkdocs says it where there is none
+        path = ROOT / "docs" / image[1]  # mkdocs reports a missing file
         return f"<img {_size(path.read_bytes())} " if path.is_file() else image[0]
 
     return re.sub(r'<img (?=[^>]*src="(figures/[^"]*))', sized, content)
@@ -419,7 +431,7 @@ def _rows(section: str, keys: dict[str, Any], required: list[str]) -> list[str]:
 
 
 def _conditions(section: str, key: str) -> str:
-    """What else decides whether a key is to be given."""
+    """Return the conditions under which a key is required, as text."""
     told = ""
     for pair in ALTERNATIVES.get(section, ()):
         if key in pair:

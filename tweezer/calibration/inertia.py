@@ -23,7 +23,7 @@ class Inertia(NamedTuple):
 
     @classmethod
     def of(cls, scene: Scene) -> Inertia:
-        """Return the inertia in a scene; unspecified inertia is that of a measured bead.
+        """Return the inertia in a scene, by default the inertia of a measured bead.
 
         The scene of a run specifies it. A measured bead has mass and hydrodynamic memory.
         """

@@ -234,7 +234,7 @@ def _sampled(scene: Scene, rate: str, settings: dict[str, str]) -> Scene:
 def _obstacle(out: Path, scene: Scene, seed: int | None, continued: str, forces_from: str) -> str:
     """Return why a run of `scene` must not replace the file at `out`; "" if it may.
 
-    The arguments are those of `tweezer.results.io.unlike`, which decides it.
+    It passes its arguments to `tweezer.results.io.unlike`.
     """
     from tweezer.results.io import unlike
 

@@ -24,13 +24,21 @@ _OPTIONS: dict[str, Any] = {"error_model": "numpy", "inner": True}
 LN_2 = (0.6931471805599453, 2.3190468138462996e-17)
 #: pi/2
 HALF_PI = (1.5707963267948966, 6.123233995736766e-17)
-#: Terms of the series of exp, sin and cos, and halvings of the argument of exp before it
+#: Number of terms in the power series, and of halvings before the series for exp
 _TERMS, _HALVINGS = 14, 8
 
 
 @intrinsic
 def fused(typing: Any, a: Any, b: Any, c: Any) -> Any:  # noqa: ARG001
-    """Return a b + c, rounded once."""
+    """Return a b + c, rounded once.
+
+    Parameters
+    ----------
+    typing : Context
+        Typing context of numba.
+    a, b, c : types.Float
+        The numbers.
+    """
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         double = ir.DoubleType()

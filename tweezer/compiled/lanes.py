@@ -210,7 +210,7 @@ def of_lanes(typing: Any, value: Any, at: Any) -> Any:  # noqa: ARG001
 
 @intrinsic
 def alternated(typing: Any, some: Any, others: Any) -> Any:  # noqa: ARG001
-    """Return eight numbers: those of `some` at even indices, those of `others` at odd ones."""
+    """Return eight numbers, from `some` at even indices and from `others` at odd indices."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         return builder.shuffle_vector(*values, _mask(i + LANES * (i % 2) for i in range(LANES)))

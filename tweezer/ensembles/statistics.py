@@ -54,7 +54,7 @@ def moments(values: Array, order: int) -> Array:
 
 
 def joined(a: Array, b: Array) -> Array:
-    """Return the moments of the union of two sets of values, from the `moments` of each.
+    """Combine the `moments` of two sets of values.
 
     Moments up to order 2 or 4 are supported. The moments of an empty set are all 0.
     """

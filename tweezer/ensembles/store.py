@@ -383,7 +383,7 @@ class Trajectories:
         return found
 
     def _chunks(self, name: str, shape: tuple[int, ...]) -> tuple[int, ...]:
-        """Return the shape of the chunks of an array: a window of samples of a block.
+        """Return the chunk shape of an array, which covers a window of samples in a block.
 
         A chunk of camera frames has the average number of frames that end in a window.
         """

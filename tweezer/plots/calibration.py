@@ -37,8 +37,8 @@ def calibration_figure(recording: Recording, calibration: Calibration) -> Figure
     Below the spectrum are its residuals: data over fit. A bead that is free along all axes has a
     figure of its own, see `tweezer.plots.free.draw_free`.
 
-    Bars are standard errors. Spectra are averaged over bins of frequency for the figure only; the
-    fits are those of `calibration`. A recording in volts is drawn in metres, and one with a drive
+    Bars are standard errors. Spectra are averaged over bins of frequency for the figure only;
+    `calibration` contains the fits. A recording in volts is drawn in metres, and one with a drive
     without the motion that the stage causes.
 
     Parameters

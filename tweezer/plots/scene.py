@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def title_of(scene: Scene, title: str = "") -> str:
-    """Return the title of a figure: that of the result if it has its own, or that of the scene.
+    """Return the title of a figure: the result's own title if it has one, or the scene's.
 
     The title of a changed scene is its name; `change_note` has the changes.
     """

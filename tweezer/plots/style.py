@@ -78,9 +78,9 @@ AXES = {
 }
 #: Speed of the bead, and its terminal speed
 SPEED, TERMINAL = Mark("#5b3f9b", "-", "o"), Mark("#b4540a", (0, (5, 1.5)), "s")
-#: Colour of text, of the frames of axes, and of notes
+#: Colours of text, axes frames and notes
 INK, FRAME, NOTE = "#1b2230", "#566172", "#566172"
-#: Colour of paths, of the bead, of the light's edges and foci, and of lines for orientation
+#: Colours of paths, the bead, the edges and foci of the light, and guide lines
 PATH, BEAD, LIGHT, MUTED = "#16365f", "#4f7fbd", "#c92a2a", "#7b8593"
 #: Fill of the cone of light
 CONE: dict[str, Any] = {"color": "#ff5a36", "alpha": 0.09, "lw": 0, "zorder": 0}

@@ -193,7 +193,7 @@ def body_trap(scene: Scene) -> BodyTrap:
 
     Equilibria are searched from several starts, with the axis of the body along and across the
     light and tilted. Each search follows force and torque with damped steps, which end in Newton's
-    method with the exact derivative. Weight and buoyancy act at the centre of volume.
+    method with the exact derivative. The body's weight and buoyancy act at its centre of volume.
 
     A body is stable if all eigenvalues of the stiffness have positive real parts, with angles
     multiplied by the radius that encloses the body. Its drag, which can matter for a stiffness that

@@ -239,7 +239,7 @@ def mean_time(grid: Grid, region: Region, start: tuple[float, float], energy: fl
 
         `step` is the difference of the numbers of these nodes, `edge` their distance, m, and `work`
         the work between them, k_B T. A rate is `unit`, m/s, times a Bernoulli function, divided by
-        the edge. If only the first node is in the ball, the rate is that of leaving the ball.
+        the edge. If only the first node is in the ball, the result is the rate of leaving the ball.
         """
         here, there = inside[begin], inside[end]
         rates[(*begin, width + step)] = np.where(here & there, unit / edge * _bernoulli(-work), 0.0)

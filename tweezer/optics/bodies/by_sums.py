@@ -215,7 +215,19 @@ def derivative_of(
 def absorbed_of(
     force: LightForce | Beams, positions: Array, orientations: Array, time: float
 ) -> Array:
-    """Return the power that a body absorbs of all beams, (n,) W; see `derivative_of`."""
+    """Return the power that a body absorbs from all beams, (n,) W.
+
+    Parameters
+    ----------
+    force : LightForce or Beams
+        Light of one beam or of several on a body.
+    positions : ndarray, shape (n, 3)
+        Positions, m.
+    orientations : ndarray, shape (n, 4)
+        Euler parameters.
+    time : float
+        Time, s.
+    """
     if isinstance(force, LightOnBody):
         return force.absorbed_power(positions, orientations)
     found = np.zeros(len(positions))

@@ -5,7 +5,7 @@ With the amplitudes p of the light in the body's frame, t = (S - 1) p and v = 2p
     F = -(n_m/c) Re<t|s|v>,   M = -(1/omega) Re<t|J|v>,   P_abs = -Re<t|v>,
 
 where s is the direction and J the angular momentum. `derivation.bodies` derives the summands. The
-light's amplitudes p are those of the sphere, and `rotated` turns them to the body's frame.
+amplitudes p are computed as for a sphere, and `rotated` turns them to the body's frame.
 
 A body shifts the light's amplitudes by i k s_j p for each unit it moves along j, and by i J_j p for
 each radian that it turns about j. The 6 x 6 derivative follows from these six changes.
@@ -47,8 +47,8 @@ from tweezer.optics.waves.partial_waves import (
 
 cache_functions(bodies)
 
-# entries of the data. The first five are numbers: 4 pi^2 n_m P/c (N), n_m P/c (N), the relative
-# tolerance, the error of the force where it vanishes (N), and the error of S - 1 as an operator
+# entries of the data. The first two are 4 pi^2 n_m P/c and n_m P/c (N). The next three are the
+# relative tolerance, the force error at zero force (N), and the error of S - 1 as an operator
 (STRENGTH, OF_ALL, TOLERANCE, FLOOR, UNSURE, STATES, ELEMENTS, DELTA, ALTERNATING, SCATTERING,
  PLACES, DEGREE, SPLIT, SOURCE) = range(14)  # fmt: skip
 #: Six components: force or translation, torque or rotation
@@ -538,9 +538,9 @@ def add_up(  # type: ignore[no-untyped-def]
 ):
     """Fill `out` with the sums for one body, in the laboratory; return whether a rule reaches it.
 
-    The entries are force (N), torque (N m), the share of the light's power that the body absorbs,
-    the power of the waves that it feels in the same unit, and, if `derivative`, the 6 x 6
-    derivative over position (m) and angles about the laboratory's axes.
+    The first entries are force (N) and torque (N m). The absorbed power and the power of the waves
+    about the body follow, as parts of the light's power. If `derivative`, the last entries are the
+    6 x 6 derivative over position (m) and angles about the laboratory's axes.
     """
     x, y, z = position[0], position[1], position[2]
     rho = math.hypot(x, y)

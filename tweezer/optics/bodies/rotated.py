@@ -5,9 +5,9 @@ in the body's frame has p_b = D(R)^+ p. With Delta^n = d^n(pi/2),
 
     p_b = e^(i gamma m) Z* Delta^T e^(-i beta k) Delta Z e^(i alpha m) p,   Z = diag(i^m).
 
-Both products are sums over orders, for eight degrees n at a time. The symmetries
-Delta_{-m,k} = (-1)^(n+k) Delta_mk and Delta_{m,-k} = (-1)^(n+m) Delta_mk leave a quarter of the
-terms: sums and differences of the orders m and -m, with even and odd orders apart.
+Both products are sums over orders, for eight degrees n at a time. Two symmetries leave a quarter of
+the terms, Delta_{-m,k} = (-1)^(n+k) Delta_mk and Delta_{m,-k} = (-1)^(n+m) Delta_mk. The orders m
+and -m enter as sums and differences, and even and odd orders are separate.
 
 Amplitudes of one field are an array (2, `length_of(highest)`): the electric and the magnetic
 component, each with a guard of LANES numbers, all real parts, all imaginary parts, and a guard. The
@@ -45,7 +45,7 @@ def imaginary_of(highest):  # type: ignore[no-untyped-def]
 
 @named_njit(error_model="numpy")
 def length_of(highest):  # type: ignore[no-untyped-def]
-    """Return the number of entries of one component of an array of amplitudes."""
+    """Return the length of one component in an array of amplitudes."""
     return 2 * (2 * (highest + MARGIN) + 1) * (highest + 1) + 2 * LANES
 
 
@@ -65,9 +65,9 @@ def _by(re, im, a, b):  # type: ignore[no-untyped-def]
 def _add_products(table, at, combined, first, count, sums, to):  # type: ignore[no-untyped-def]
     """Store the sums over `count` orders m of Delta_mk times combinations, for four orders k.
 
-    The combinations of the orders begin at the entry `first` of `combined`, and the numbers Delta
-    of each order, for four k, at the entry `at` of `table`. The sums (4 k, 4 components, 8 degrees)
-    are stored from the entry `to` of `sums` on.
+    The combinations begin at the index `first` in `combined`. The numbers Delta, four k for each
+    order, begin at the index `at` in `table`. The sums (4 k, 4 components, 8 degrees) are stored in
+    `sums`, beginning at the index `to`.
     """
     a0, a1, a2, a3 = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
     b0, b1, b2, b3 = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
@@ -222,8 +222,8 @@ def _sums_of_block(table, entry, combined, orders, top, sums):  # type: ignore[n
 def delta_table(degree: int, highest: int) -> Array:
     """Return Delta^n_mk = d^n_mk(pi/2) up to a degree, in the order in which `turn` reads it.
 
-    The axes are, for each block of eight degrees: parity of k, groups of four k, parity of m, m,
-    the four k, and n. Degrees above `degree` up to `highest` are zero.
+    Each block of eight degrees has the axes (k parity, groups, m parity, m, four k, n). Degrees
+    above `degree` up to `highest` are zero.
     """
     whole = np.zeros((highest + 1,) * 3)  # by k, m and n
     for n, delta in enumerate(wigner_delta(degree)):

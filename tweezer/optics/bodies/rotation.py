@@ -1,4 +1,4 @@
-"""Wigner functions: what a rotation does to the amplitudes of vector spherical waves.
+"""Wigner functions, which rotate the amplitudes of vector spherical waves.
 
 A field turned by R = Rz(alpha) Ry(beta) Rz(gamma) has the amplitudes D(R) p, with
 D^n_{m'm} = exp(-i alpha m') d^n_{m'm}(beta) exp(-i gamma m), the same for both helicities. All d

@@ -1,14 +1,14 @@
 """Integrals over the surface of a body of revolution, with twice the digits of a double.
 
 The extended boundary condition method (Waterman, Phys. Rev. D 3, 825 (1971)) gives the T-matrix of
-a homogeneous body from integrals over its surface, of products of a wave outside (degree n, the
-test wave, with psi_n or chi_n) and a wave inside (degree n', of the relative index m). For
-elongated bodies the integrals are small differences of large numbers, which is why doubles are not
-enough. `derivation.bodies` derives the four integrands.
+a homogeneous body from surface integrals. An integrand is the product of a wave outside the body
+(degree n, the test wave, with psi_n or chi_n) and a wave inside it (degree n', relative index m).
+For elongated bodies the integrals are small differences of large numbers, which is why doubles are
+not enough. `derivation.bodies` derives the four integrands.
 
-psi_n and chi_n are the Riccati-Bessel functions x j_n(x) and x y_n(x), y is the polar part of a
-spherical harmonic, nu^2 = n(n+1), tau = y'/nu, and pi = m y/(nu sin theta), with the order m. A
-real number with twice the digits is stored as (high, low), a complex one as four doubles.
+psi_n and chi_n are the Riccati-Bessel functions x j_n(x) and x y_n(x). The polar part of a
+spherical harmonic is y, with nu^2 = n(n+1), tau = y'/nu, and pi = m y/(nu sin theta) for the order
+m. A real number with twice the digits is stored as (high, low), a complex one as four doubles.
 """
 
 from __future__ import annotations
@@ -366,9 +366,9 @@ def _eliminate(matrix, right):  # type: ignore[no-untyped-def]
 def t_of_order(nodes, outside, inside, index_re, index_im, m):  # type: ignore[no-untyped-def]
     """Return the T-matrix of a body of revolution with a mirror plane for one order m >= 0.
 
-    It is the solution of T' Q[psi + i chi] = -Q[psi], separately for the two classes of waves that
-    the mirror plane does not mix: magnetic waves of one parity of n with electric ones of the
-    other.
+    It is the solution of T' Q[psi + i chi] = -Q[psi]. The mirror plane does not mix two classes of
+    waves, and each is solved separately. A class has magnetic waves with n of one parity and
+    electric waves with n of the other.
 
     Parameters
     ----------
@@ -403,7 +403,7 @@ def t_of_order(nodes, outside, inside, index_re, index_im, m):  # type: ignore[n
         _tests(nodes, outside[2], outside[3], harmonics, pi, tau, n, irregular[i])
         _inner(nodes, inside[0], inside[1], index, harmonics, pi, tau, n, inner[i])
     out = np.zeros((2, highest + 1, 2, highest + 1, 2))
-    # row i: inner wave; column j: test wave
+    # rows are inner waves, columns are test waves
     total, right = np.empty((size, size, COMPLEX)), np.empty((size, size, COMPLEX))
     scales = np.empty(size)
     for parity in range(2):

@@ -2,8 +2,8 @@
 
 The modes are outgoing and regular vector spherical waves of degree l, order m and helicity +1 or
 -1, as in the standard file format (T-matrix data format, storage version 1). Fields vary as
-exp(-i omega t). The amplitudes of plane waves that this package calls p_nm are related to those of
-the modes by a = -4 pi i^n p, so that the scattering matrix S = 1 + 2T of the amplitudes p is
+exp(-i omega t). The amplitudes p_nm of plane waves give the modes the amplitudes a = -4 pi i^n p.
+In terms of p the scattering matrix is S = 1 + 2T, with
 
     (S - 1)_{n'm',nm} = 2 i^(n-n') T_{n'm',nm}.
 """
