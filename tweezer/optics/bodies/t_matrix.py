@@ -64,7 +64,10 @@ class TMatrix(Shown):
 
     @functools.cached_property
     def modes(self) -> Integers:
-        """Degree l, order m and helicity of each mode, (modes, 3); see `modes_up_to`."""
+        """Degree l, order m and helicity (+1 or -1) of each mode, (modes, 3).
+
+        The helicity varies fastest, +1 first, then m from -l to l, then l.
+        """
         return modes_up_to(self.degree)
 
     @functools.cached_property
@@ -88,7 +91,11 @@ class TMatrix(Shown):
 
     @functools.cached_property
     def reciprocity(self) -> float:
-        """Largest violation of 2 T_{lnm;l'n'm'} = 2 (-1)^(m+m') T_{l'n'-m';ln-m}."""
+        """Largest violation of reciprocity.
+
+        Reciprocity equates the element of S - 1 from mode (l', m') to (l, m) with the one from
+        (l, -m) to (l', -m'), except for the sign (-1)^(m + m').
+        """
         l, m, helicity = self.modes.T
         # the mode (l, -m) of the same helicity
         mirrored = 2 * (l * l - 1 + l - m) + (helicity < 0)
@@ -118,7 +125,8 @@ class TMatrix(Shown):
         polarisation : {"helicity", "electric/magnetic"}, optional
             Modes of the file.
         **about
-            Name, description and permittivity of the body, as of `save_t_matrix`.
+            `name` and `description` of the body, and the relative `permittivity` of a homogeneous
+            body.
 
         Returns
         -------

@@ -89,7 +89,10 @@ class Bead(Round):
         description="concentric layers from the core outwards, for coated or hollow beads",
     )
     radius: BeadRadius = Field(
-        None, validate_default=True, description="radius r; with layers that of the outermost"
+        None,
+        validate_default=True,
+        description="radius r; with layers that of the outermost; of a spheroid across its axis; "
+        "of a body in a file that of the sphere that encloses it",
     )
     material: MaterialName | None = Field(
         None,
