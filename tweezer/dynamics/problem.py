@@ -397,11 +397,6 @@ def bound_once(scene: SceneLike | Problem, others: Sequence[Force | str] = ()) -
         return scene
     forces = forces_of(others)
     scene = checked_scene(scene)
-    if scene.bead.shape != "sphere":
-        raise SceneError(
-            f"bead.shape = {scene.bead.shape!r}: the drag of such a body is not computed yet; "
-            "allowed: 'sphere'. optical_force, optical_torque and `tweezer trap` accept any shape"
-        )
     bead = bead_properties(scene)
     walls = _forces_of_walls(scene, bead)
     problem = Problem(scene, bead, drag(scene), light_force(scene), walls, forces)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from tweezer.scene.load import SceneLike, checked_scene
 from tweezer.scene.scene import KNUDSEN_LIMIT
 from tweezer.scene.sphere import drag_of_rotation, drag_of_translation
+from tweezer.values.errors import SceneError
 from tweezer.values.printed import printed
 from tweezer.values.shown import Card, Row, Shown
 
@@ -76,6 +77,11 @@ def bead_properties(scene: SceneLike) -> BeadProperties:
     BeadProperties
         The numbers, in SI units.
 
+    Raises
+    ------
+    SceneError
+        For a bead that is not a sphere.
+
     Examples
     --------
     >>> properties = tweezer.bead_properties("silica-1um")
@@ -83,6 +89,11 @@ def bead_properties(scene: SceneLike) -> BeadProperties:
     '9.44e-09 kg/s'
     """
     scene = checked_scene(scene)
+    if scene.bead.shape != "sphere":
+        raise SceneError(
+            f"bead.shape = {scene.bead.shape!r}: the drag of such a body is not computed yet; "
+            "allowed: 'sphere'. optical_force, optical_torque and `tweezer trap` accept any shape"
+        )
     body, r = scene.body, scene.bead.radius  # the drag is a sphere's
     g, forces = scene.forces.gravitational_acceleration, scene.forces
     lift = scene.medium.density * body.volume * g if forces.buoyancy else 0.0

@@ -8,11 +8,15 @@ import itertools
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from tweezer.scene.choices import SHAPES
 from tweezer.scene.courses import refusal
 from tweezer.scene.materials import Material, materials
 from tweezer.scene.sections import FILLED, NAMED
 from tweezer.scene.water import LIQUID, Water, water
 from tweezer.values.units import TEMPERATURE, to_si
+
+#: Shapes of a bead that has no refractive index of its own
+_WITHOUT_INDEX = [each.name for each in SHAPES.values() if not each.index]
 
 
 def filled_in(data: dict[str, Any]) -> dict[str, Any]:
@@ -96,6 +100,11 @@ def _of_materials(data: Mapping[str, Any], bead: Mapping[str, Any]) -> dict[str,
                            f"bead.spheres.{i}", None) if isinstance(each, dict) else each
             for i, each in enumerate(spheres)
         ]}  # fmt: skip
+    if bead.get("shape") in _WITHOUT_INDEX:
+        material = materials().get(str(bead.get("material")))
+        if material is None or bead.get("density") is not None:
+            return dict(bead)
+        return {**bead, "density": material.density, FILLED: ["density"]}
     if layers is None:
         density = getattr(materials().get(str(bead.get("material"))), "density", None)
         return _with_material(data, bead, "bead", density)

@@ -13,6 +13,7 @@ from typing import Any, Self
 
 from pydantic import ValidationError, model_validator
 
+from tweezer.scene.choices import SHAPES
 from tweezer.scene.courses import Section, with_tables
 from tweezer.scene.description import Description
 from tweezer.scene.files import read_scene, shipped_scenes
@@ -53,6 +54,7 @@ class Scene(Description):
         """
         bead, medium, motion = self.bead, self.medium, self.simulation
         index = bead.index if bead.index.imag else bead.index.real
+        indexed = f", index {index:.5g}" if SHAPES[bead.shape].index else ""
         viscosity = printed(medium.viscosity, "mPa s")
         power = sum(beam.power_through_pupil or beam.power or 0.0 for beam in self.beams)
         light = f"{printed(power, 'mW')} at {printed(self.beam.wavelength, 'nm')}"
@@ -62,7 +64,7 @@ class Scene(Description):
         run = f"{printed(motion.duration, 'ms')}, {motion.samples} samples"
         made_of = f" of {bead.material}" if bead.material else ""
         rows = [
-            Row("bead", f"{printed(bead.diameter, 'um')}{made_of}, index {index:.5g}, "
+            Row("bead", f"{bead.size_in_words}{made_of}{indexed}, "
                 f"{bead.density:.5g} kg/m^3"),
             Row("medium", f"index {medium.refractive_index:.5g}, {viscosity}, "
                 f"{medium.temperature:.5g} K"),

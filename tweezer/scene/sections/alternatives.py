@@ -31,6 +31,7 @@ BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
         "file": ("shape", ("t-matrix",)),
         "layers": ("shape", ("sphere",)),
         "radius": ("shape", ("sphere", "spheroid", "t-matrix")),
+        "refractive_index": ("shape", ("sphere", "spheroid")),
     },
     "beam": {
         "sigma": ("profile", ("gaussian", "donut")),

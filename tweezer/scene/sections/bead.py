@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import Field, StrictInt, ValidationInfo, field_validator, model_validator
@@ -24,6 +25,7 @@ from tweezer.scene.sections.shapes import (
 )
 from tweezer.scene.solids import Cluster, Spheroid
 from tweezer.scene.sphere import Sphere
+from tweezer.values.printed import printed
 from tweezer.values.units import (
     BEAD_RADIUS,
     BeadRadius,
@@ -191,6 +193,18 @@ class Bead(Round):
             radii = [each.radius for each in self.spheres]
             return Cluster(self.centres, radii, self.density)
         return Sphere(self.radius, self.density, self.moments_of_inertia)
+
+    @property
+    def size_in_words(self) -> str:
+        """Size of the bead with its shape, unless it is a sphere."""
+        diameter = printed(self.diameter, "um")
+        if self.length is not None:
+            return f"spheroid, {diameter} across, {printed(self.length, 'um')} along its axis"
+        if self.spheres is not None:
+            return f"{len(self.spheres)} spheres within {diameter}"
+        return (
+            diameter if self.file is None else f"body in {Path(self.file).name}, within {diameter}"
+        )
 
     @property
     def centres(self) -> list[tuple[float, float, float]]:

@@ -77,6 +77,12 @@ def check_keys(shape: str, given: Mapping[str, Any]) -> None:
                 raise refusal(f"{key}: missing; shape = {shape!r} requires it")
     if shape != "sphere" and given.get("layers") is not None:
         raise refusal(f"layers: do not apply to shape = {shape!r}; remove them, or the shape")
+    if not SHAPES[shape].index and given.get("refractive_index") is not None:
+        own = "each of the spheres has" if shape == "spheres" else "the file has"
+        raise refusal(
+            f"refractive_index: does not apply to shape = {shape!r}, because {own} an index; "
+            "remove it"
+        )
     needs_index = SHAPES[shape].index and given.get("layers") is None
     if needs_index and given.get("refractive_index") is None:
         raise refusal("refractive_index: missing")
