@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tweezer.compiled.lanes import LANES
 from tweezer.forces.data import Data, packed
-from tweezer.optics.bodies.kernel import body_sums
+from tweezer.optics.bodies.kernel import TOGETHER, body_sums
 from tweezer.optics.bodies.rotated import MARGIN, delta_table, length_of
 from tweezer.optics.bodies.t_matrix import TMatrix
 from tweezer.optics.waves.binding import of_states, source
@@ -172,7 +172,7 @@ def _scattering(body: TMatrix, highest: int) -> tuple[Array, NDArray[np.int32], 
             )  # fmt: skip
     places = LANES + (m + highest + MARGIN) * (highest + 1) + l
     places += magnetic * length_of.py_func(highest)
-    padded = -(-len(l) // LANES) * LANES
+    padded = -(-len(l) // (TOGETHER * LANES)) * TOGETHER * LANES
     columns = np.zeros((len(l), 2, padded))
     columns[:, 0, : len(l)], columns[:, 1, : len(l)] = change.T.real, change.T.imag
     return columns.ravel(), places.astype(np.int32), float(body.degree), 0.0

@@ -51,6 +51,8 @@ cache_functions(bodies)
 # relative tolerance, the force error at zero force (N), and the error of S - 1 as an operator
 (STRENGTH, OF_ALL, TOLERANCE, FLOOR, UNSURE, STATES, ELEMENTS, DELTA, ALTERNATING, SCATTERING,
  PLACES, DEGREE, SPLIT, SOURCE) = range(14)  # fmt: skip
+#: Blocks of eight modes that a body without an axis scatters together
+TOGETHER = 4
 #: Six components: force or translation, torque or rotation
 _SIX = 6
 #: Numbers of one bead: force and torque, absorbed power, |p|^2, the 6 x 6 derivative
@@ -147,18 +149,28 @@ def scatter(body, p, highest, gathered, t):  # type: ignore[no-untyped-def]
     for i in range(modes):
         gathered[i] = source[body.places[i]]
         gathered[modes + i] = source[body.places[i] + imaginary]
-    for first in range(0, padded, LANES):
-        re, im = spread(0.0), spread(0.0)
+    for first in range(0, padded, TOGETHER * LANES):
+        a_re, b_re, c_re, d_re = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
+        a_im, b_im, c_im, d_im = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
         at = first
         for i in range(modes):
-            s_re, s_im = lanes(body.scattering, at), lanes(body.scattering, at + padded)
-            x, y = gathered[i], gathered[modes + i]
-            re = re + s_re * x - s_im * y
-            im = im + s_re * y + s_im * x
+            x, y, part = gathered[i], gathered[modes + i], at + padded
+            re, im = lanes(body.scattering, at), lanes(body.scattering, part)
+            a_re, a_im = a_re + re * x - im * y, a_im + re * y + im * x
+            re, im = lanes(body.scattering, at + LANES), lanes(body.scattering, part + LANES)
+            b_re, b_im = b_re + re * x - im * y, b_im + re * y + im * x
+            re = lanes(body.scattering, at + 2 * LANES)
+            im = lanes(body.scattering, part + 2 * LANES)
+            c_re, c_im = c_re + re * x - im * y, c_im + re * y + im * x
+            re = lanes(body.scattering, at + 3 * LANES)
+            im = lanes(body.scattering, part + 3 * LANES)
+            d_re, d_im = d_re + re * x - im * y, d_im + re * y + im * x
             at += 2 * padded
-        for i in range(first, min(first + LANES, modes)):
-            place = body.places[i]
-            out[place], out[place + imaginary] = of_lanes(re, i - first), of_lanes(im, i - first)
+        for block, (re, im) in enumerate(((a_re, a_im), (b_re, b_im), (c_re, c_im), (d_re, d_im))):
+            lower = first + block * LANES
+            for i in range(lower, min(lower + LANES, modes)):
+                place, lane = body.places[i], i - lower
+                out[place], out[place + imaginary] = of_lanes(re, lane), of_lanes(im, lane)
 
 
 @named_njit(**OPTIONS)
