@@ -23,7 +23,6 @@ from tweezer.scene.sections.shapes import (
     check_keys,
     enclosing_radius,
 )
-from tweezer.scene.solids import Cluster, Spheroid
 from tweezer.scene.sphere import Sphere
 from tweezer.values.printed import printed
 from tweezer.values.units import (
@@ -187,12 +186,14 @@ class Bead(Round):
 
         A body in a T-matrix file has the size and mass of the sphere that encloses it.
         """
+        if self.length is None and self.spheres is None:
+            return Sphere(self.radius, self.density, self.moments_of_inertia)
+        from tweezer.scene.solids import Cluster, Spheroid  # imports NumPy
+
         if self.length is not None:
             return Spheroid(self.radius, self.length / 2, self.density)
-        if self.spheres is not None:
-            radii = [each.radius for each in self.spheres]
-            return Cluster(self.centres, radii, self.density)
-        return Sphere(self.radius, self.density, self.moments_of_inertia)
+        radii = [each.radius for each in self.spheres or ()]
+        return Cluster(self.centres, radii, self.density)
 
     @property
     def size_in_words(self) -> str:
