@@ -93,7 +93,7 @@ class TMatrix(Shown):
     def reciprocity(self) -> float:
         """Largest violation of reciprocity.
 
-        Reciprocity equates the element of S - 1 from mode (l', m') to (l, m) with the one from
+        Reciprocity equates the element of 2T from mode (l', m') to (l, m) with the one from
         (l, -m) to (l', -m'), except for the sign (-1)^(m + m').
         """
         l, m, helicity = self.modes.T
