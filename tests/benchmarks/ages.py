@@ -26,6 +26,7 @@ _CALIBRATION = ("tweezer/calibration", "tweezer/reading", "generated/hydrodynami
 
 #: the code that each result is about, beside the benchmark itself
 SUBJECTS: dict[str, tuple[str, ...]] = {
+    "bodies": (*_LIGHT, "generated/bodies.py"),
     "brownian": _THERMAL,
     "calibrate": _CALIBRATION,
     "camera": (*_CALIBRATION, "tweezer/dynamics/camera.py"),

@@ -109,6 +109,16 @@ def _force(force: Results) -> str:
     )
 
 
+def _bodies(bodies: Results) -> str:
+    (body,) = (each for each in bodies["bodies"] if each["name"] == "0.5 um, 2:1")
+    tight = body["tolerances"][-1]
+    return (
+        f"polystyrene spheroid, 0.8 by 1.6 µm: {rounded(tight['us'])} µs with an error of "
+        f"{tight['error_over_largest_force']:.0e} of the largest force; "
+        f"{rounded(tight['over_sphere'])} times as long as for a 1 µm sphere"
+    )
+
+
 def _integration(integration: Results) -> str:
     motion = integration["headline"]["thesis-990nm, rays, map"]
     return (
@@ -254,6 +264,7 @@ def _commands(costs: Results) -> str:
 #: by benchmark: its subject, its page and its headline figure
 _SUBJECTS: dict[str, tuple[str, str, Callable[[Results], str]]] = {
     "force": ("The force of the light", "evidence-force.md", _force),
+    "bodies": ("Light on spheroids and clusters", "evidence-bodies.md", _bodies),
     "integrate": ("Integration in time", "evidence-integration.md", _integration),
     "brownian": ("Thermal motion", "evidence-thermal-motion.md", _thermal),
     "fluid": ("Fluid inertia", "evidence-fluid-inertia.md", _fluid),

@@ -20,6 +20,8 @@ from scipy.linalg import eigh_tridiagonal
 import tweezer
 from tests.benchmarks import (
     ages,
+    bodies,
+    bodies_report,
     brownian,
     brownian_report,
     calibrate,
@@ -96,6 +98,58 @@ def here(monkeypatch):
 
     monkeypatch.setattr(force, "in_fresh_process", timed)
     monkeypatch.setattr(brownian, "in_fresh_process", timed)
+
+
+def test_quick_run_of_bodies(command_line, tmp_path):
+    done = command_line(
+        "bench", "bodies", "--quick", "--out", "bodies.json", "--plot", "bodies.png"
+    )  # fmt: skip
+    assert (done.code, done.err) == (0, "")
+    assert (tmp_path / "bodies.png").stat().st_size > 10_000
+    results = json.loads((tmp_path / "bodies.json").read_text())
+    assert shape(results) == shape(pages.committed("bodies"))
+    for body in results["bodies"]:
+        assert max(body["force_off_stress"], body["torque_off_stress"]) < 1e-11
+        for each in body["tolerances"]:
+            assert each["error_over_largest_force"] < each["tolerance"]
+            assert each["least_estimate_over_error"] > 1
+    for each in results["t_matrices"]:
+        assert max(each["error"], each["unitarity"], each["reciprocity"]) < 1e-9
+    for each in results["treams"]["degrees"]:
+        assert each["difference"] < 1e-12
+    for each in results["published"]:
+        assert each["difference"] < each["accuracy"]
+
+
+def test_page_quotes_the_committed_bodies():
+    committed = pages.committed("bodies")
+    assert pages.quoted("bodies") == bodies_report.block(committed)
+    assert not committed["quick"]
+    assert committed["treams"]["version"]
+    assert committed["treams"]["force_difference"] < committed["treams"]["tolerance"]
+    for body in committed["bodies"]:
+        for each in body["tolerances"]:
+            assert each["error_over_largest_force"] < each["tolerance"]
+            assert each["least_estimate_over_error"] > 1
+
+
+def test_bodies_are_reported_without_treams():
+    results = pages.committed("bodies")
+    results["treams"] = {"version": None, "name": "3 spheres apart", "degrees": []}
+    assert "| 3 spheres apart | not installed, not compared |" in bodies_report.block(results)
+    assert bodies_report.figure(results).axes
+
+
+def test_bodies_of_the_benchmark_have_the_stated_size():
+    assert bodies.spheroid(0.5, 2).scene.bead.length == pytest.approx(
+        2 * bodies.spheroid(0.5, 2).scene.bead.diameter
+    )
+    for body in (bodies.spheroid(0.5, 2), bodies.spheroid(1, 0.5), *bodies.clusters()):
+        volume = 4 / 3 * math.pi * body.radius**3
+        assert tweezer.bead_properties(body.scene).mass == pytest.approx(1050 * volume)
+        at, turned = bodies.poses(body, 50)
+        assert np.linalg.norm(at, axis=1).max() < bodies.NEAR * body.radius
+        np.testing.assert_allclose(np.linalg.norm(turned, axis=1), 1)
 
 
 def test_a_row_that_is_not_as_long_as_its_headings_is_no_table():
@@ -306,8 +360,9 @@ def test_peers_integrate_our_equations(changes):
 @pytest.mark.parametrize("terminal", [True, False], ids=["80 columns", "pipe"])
 @pytest.mark.parametrize(
     ("name", "report"),
-    [("force", report), ("integrate", integrate_report), ("brownian", brownian_report),
-     ("fluid", fluid_report), ("wall", wall_report), ("scaling", scaling_report),
+    [("force", report), ("bodies", bodies_report), ("integrate", integrate_report),
+     ("brownian", brownian_report), ("fluid", fluid_report),
+     ("wall", wall_report), ("scaling", scaling_report),
      ("depth", depth_report), ("calibrate", calibrate_report), ("hydro", hydro_report),
      ("heights", heights_report), ("camera", camera_report),
      ("free", free_report),

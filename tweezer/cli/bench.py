@@ -70,6 +70,12 @@ _add_benchmark(
 
 
 _add_benchmark(
+    "bodies", "bodies_report",
+    "Light on bodies: error against time. Spheroids, clusters and their T-matrices; treams.",
+)  # fmt: skip
+
+
+_add_benchmark(
     "integrate", "integrate_report",
     "Integration: error against time. Own methods, SciPy, CVODE, others, the thesis's scaling.",
 )  # fmt: skip
