@@ -1,7 +1,6 @@
 """Light on spheroids and clusters: time and error of forces, and certificates of T-matrices.
 
-The bodies are of polystyrene in the light of `polystyrene-500nm`, which has an aperture of 1.2. The
-positions are within 0.7 radii of the focus, where the radius is the one of the sphere of the same
+The scene `polystyrene-500nm` provides material and light, with an aperture of 1.2. The positions are within 0.7 radii of the focus, where the radius is the one of the sphere of the same
 volume, and the orientations are random. All times of forces are taken in turn with those of a 1 um
 sphere, so that their ratios depend little on the load of the machine.
 
