@@ -1,8 +1,9 @@
 """Light on spheroids and clusters: time and error of forces, and certificates of T-matrices.
 
-The scene `polystyrene-500nm` provides material and light, with an aperture of 1.2. The positions are within 0.7 radii of the focus, where the radius is the one of the sphere of the same
-volume, and the orientations are random. All times of forces are taken in turn with those of a 1 um
-sphere, so that their ratios depend little on the load of the machine.
+The scene `polystyrene-500nm` provides material and light, with an aperture of 1.2. The positions
+are within 0.7 radii of the focus, where the radius is the one of the sphere of the same volume, and
+the orientations are random. All times of forces are taken in turn with those of a 1 um sphere, so
+that their ratios depend little on the load of the machine.
 
 Errors of forces are differences to the same T-matrix at a tolerance of 1e-13. At some positions
 this reference is compared with Maxwell's stress tensor (`tests.optics.bodies.maxwell`). T-matrices
