@@ -100,14 +100,18 @@ def here(monkeypatch):
     monkeypatch.setattr(brownian, "in_fresh_process", timed)
 
 
-def test_quick_run_of_bodies(command_line, tmp_path):
+def test_quick_run_of_bodies(command_line, tmp_path, monkeypatch):
+    monkeypatch.setattr(bodies, "treams_version", lambda: None)
     done = command_line(
         "bench", "bodies", "--quick", "--out", "bodies.json", "--plot", "bodies.png"
     )  # fmt: skip
     assert (done.code, done.err) == (0, "")
     assert (tmp_path / "bodies.png").stat().st_size > 10_000
     results = json.loads((tmp_path / "bodies.json").read_text())
-    assert shape(results) == shape(pages.committed("bodies"))
+    committed = pages.committed("bodies")
+    assert results.keys() == committed.keys()
+    assert results["bodies"][0].keys() == committed["bodies"][0].keys()
+    assert results["treams"]["version"] is None
     for body in results["bodies"]:
         assert max(body["force_off_stress"], body["torque_off_stress"]) < 1e-11
         for each in body["tolerances"]:
@@ -115,10 +119,16 @@ def test_quick_run_of_bodies(command_line, tmp_path):
             assert each["least_estimate_over_error"] > 1
     for each in results["t_matrices"]:
         assert max(each["error"], each["unitarity"], each["reciprocity"]) < 1e-9
-    for each in results["treams"]["degrees"]:
-        assert each["difference"] < 1e-12
     for each in results["published"]:
         assert each["difference"] < each["accuracy"]
+
+
+def test_cluster_of_the_benchmark_agrees_with_treams_where_it_is_installed():
+    pytest.importorskip("treams")
+    found = bodies._treams(bodies.QUICK)
+    assert found["degrees"][0]["difference"] < 1e-13
+    # waves of degree 3 about the spheres are too few for more
+    assert max(found["force_difference"], found["torque_difference"]) < 1e-3
 
 
 def test_page_quotes_the_committed_bodies():
@@ -146,7 +156,7 @@ def test_bodies_of_the_benchmark_have_the_stated_size():
     )
     for body in (bodies.spheroid(0.5, 2), bodies.spheroid(1, 0.5), *bodies.clusters()):
         volume = 4 / 3 * math.pi * body.radius**3
-        assert tweezer.bead_properties(body.scene).mass == pytest.approx(1050 * volume)
+        assert body.scene.bead.body.mass == pytest.approx(1050 * volume)
         at, turned = bodies.poses(body, 50)
         assert np.linalg.norm(at, axis=1).max() < bodies.NEAR * body.radius
         np.testing.assert_allclose(np.linalg.norm(turned, axis=1), 1)
