@@ -4,6 +4,8 @@ from .dynamics import Event, bind, capture, chosen
 from .ensembles import escape_times
 from .ensembles.ensemble import ensemble
 from .fluid import wall_mobilities
+from .fluid.resistance.of_scene import resistance
+from .fluid.resistance.resistance import Resistance
 from .optics import (
     SceneLight,
     absorbed_power,
@@ -55,6 +57,7 @@ __all__ = [
     "QuantitiesLike",
     "QuantityLike",
     "Recording",
+    "Resistance",
     "ResultError",
     "Scene",
     "SceneError",
@@ -96,6 +99,7 @@ __all__ = [
     "optical_jacobian",
     "optical_torque",
     "potential",
+    "resistance",
     "save",
     "save_run",
     "scene_of",
