@@ -28,6 +28,7 @@ CALLS = {
     "optical_jacobian": lambda scene: tweezer.optical_jacobian(scene, [0, 0, 1e-7]),
     "optical_torque": lambda scene: tweezer.optical_torque(scene, [0, 0, 1e-7]),
     "t_matrix": lambda scene: tweezer.t_matrix(scene).error,
+    "resistance": lambda scene: tweezer.resistance(scene).matrix,
     "simulate": lambda scene: tweezer.simulate(scene, "10 us")["position"].values,
 }
 #: and longer ones, which only have to find the scene

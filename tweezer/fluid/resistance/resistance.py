@@ -34,8 +34,7 @@ class Resistance(Shown):
     @functools.cached_property
     def mobility(self) -> Array:
         """Inverse of R, (6, 6), which gives velocities from force and torque."""
-        found: Array = np.linalg.inv(self.matrix)
-        return found
+        return np.asarray(np.linalg.inv(self.matrix), float)
 
     @property
     def diffusion(self) -> Array:
