@@ -10,10 +10,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from tweezer.dynamics.escape import Escape, escapes
+from tweezer.fluid.resistance.of_scene import resistance
 from tweezer.optics import Beams, LightForce, light_force
 from tweezer.optics.bodies.by_sums import derivative_of
 from tweezer.optics.bodies.shapes import t_matrix
@@ -61,11 +62,16 @@ class BodyEquilibrium(Comparable):
     """(6, 2) N/m, real and imaginary part of the eigenvalues of `stiffness` with angles times
     `length`, in ascending order of the real part. A body of revolution has one that is 0"""
     stable: bool
-    """whether all eigenvalues have positive real parts, except the one that is 0"""
+    """whether all relaxation rates, or all eigenvalues where the drag is not known, have positive
+    real parts, except the one that is 0"""
     residual: float
     """remaining force, with torques over `length`, N"""
     length: float
     """length by which angles are multiplied, m: the radius that encloses the body"""
+    relaxation_rates: Vector | None = None
+    """(6, 2) 1/s, real and imaginary part of the eigenvalues of mobility times stiffness, in
+    ascending order of the real part: the rates of overdamped motion. None where the drag of the
+    body is not known (`tweezer.resistance`)"""
 
     @property
     def axis(self) -> Array:
@@ -147,6 +153,12 @@ class BodyTrap(Comparable, Shown):
             ]
             words = ", ".join(_complex_text(1e6 * value) for value in values)
             yield Row("eigenvalues", f"{words} pN/um", detail=True)
+            if held.relaxation_rates is not None:
+                rates = [complex(*each) for each in held.relaxation_rates]
+                most = max(map(abs, rates))
+                words = ", ".join(_complex_text(each if abs(each) > _FREE * most else 0j)
+                                  for each in rates)  # fmt: skip
+                yield Row("relaxation rates", f"{words} 1/s", detail=True)
             turned = ", ".join(f"{each:.4g}" for each in held.orientation)
             yield Row("Euler parameters", turned, detail=True)
             for each in self.escapes:
@@ -195,9 +207,9 @@ def body_trap(scene: Scene) -> BodyTrap:
     light and tilted. Each search follows force and torque with damped steps, which end in Newton's
     method with the exact derivative. The body's weight and buoyancy act at its centre of volume.
 
-    A body is stable if all eigenvalues of the stiffness have positive real parts, with angles
-    multiplied by the radius that encloses the body. Its drag, which can matter for a stiffness that
-    is not symmetric, is not included.
+    An equilibrium is stable if overdamped motion about it decays. The rates are the eigenvalues of
+    mobility times stiffness. Where the drag of the body is not known, the eigenvalues of the
+    stiffness decide, with angles multiplied by the radius that encloses the body.
 
     Parameters
     ----------
@@ -260,7 +272,7 @@ class _Search:
         self.light: LightForce | Beams = light_force(scene)
         self.body = t_matrix(scene)
         self.length = self.body.radius
-        self._scene = scene
+        self._scene, self._mobility = scene, _mobility(scene)
         bead, forces, medium = scene.body, scene.forces, scene.medium
         g = forces.gravitational_acceleration
         lift = medium.density * bead.volume * g * forces.buoyancy
@@ -323,17 +335,20 @@ class _Search:
         if np.linalg.norm(force) > _VANISHED * scale:
             return None
         stiffness = self.stiffness(r, e)
-        values = np.linalg.eigvals(_scaled(stiffness, self.length))
-        values = values[np.argsort(values.real)]
-        least = _FREE * np.abs(values).max()
-        free = np.abs(values) <= least
+        values = _sorted(np.linalg.eigvals(_scaled(stiffness, self.length)))
+        rates = None
+        if self._mobility is not None:
+            turned = np.kron(np.eye(2), _rotation(e).as_matrix())
+            rates = _sorted(np.linalg.eigvals(turned @ self._mobility @ turned.T @ stiffness))
+        judged = values if rates is None else rates
+        free = np.abs(judged) <= _FREE * np.abs(judged).max()
         stable = bool(
-            (values.real[~free] > 0).all() and free.sum() <= (1 if self.body.axial else 0)
+            (judged.real[~free] > 0).all() and free.sum() <= (1 if self.body.axial else 0)
         )
         r = np.where(np.abs(r) < 1e-13 * self.length, 0.0, r)
         return BodyEquilibrium(
-            fixed(r), fixed(e), fixed(stiffness), fixed(np.stack([values.real, values.imag], 1)),
-            stable, float(np.linalg.norm(force)), self.length,
+            fixed(r), fixed(e), fixed(stiffness), _parts(values), stable,
+            float(np.linalg.norm(force)), self.length, None if rates is None else _parts(rates),
         )  # fmt: skip
 
     def same(self, one: BodyEquilibrium, other: BodyEquilibrium) -> bool:
@@ -369,6 +384,24 @@ class _Search:
 def _length(vector: ArrayLike) -> float:
     """Return the length of a vector, at least the smallest number."""
     return max(float(np.linalg.norm(vector)), 1e-300)
+
+
+def _sorted(values: NDArray[Any]) -> NDArray[Any]:
+    """Return eigenvalues in ascending order of their real parts."""
+    return values[np.argsort(values.real)]
+
+
+def _parts(values: NDArray[Any]) -> Vector:
+    """Return complex numbers as their real and imaginary parts, (n, 2)."""
+    return fixed(np.stack([values.real, values.imag], 1))
+
+
+def _mobility(scene: Scene) -> Array | None:
+    """Return the mobility of the bead, (6, 6), in the body's frame; None if it is not known."""
+    try:
+        return resistance(scene).mobility
+    except SceneError:
+        return None
 
 
 def _scaled(stiffness: Array, length: float) -> Array:
