@@ -129,10 +129,13 @@ def from_file(bead: Any, wavenumber: float, refractive_index: float) -> TMatrix:
     """Return the T-matrix of a file, for the light and the medium of a scene."""
     from tweezer.optics.bodies.files import load_t_matrix
 
-    found: TMatrix = load_t_matrix(
-        bead.file, wavelength=2 * math.pi * refractive_index / wavenumber,
-        refractive_index=refractive_index, radius=bead.radius,
-    )  # fmt: skip
+    try:
+        found: TMatrix = load_t_matrix(
+            bead.file, wavelength=2 * math.pi * refractive_index / wavenumber,
+            refractive_index=refractive_index, radius=bead.radius,
+        )  # fmt: skip
+    except SceneError as error:
+        raise SceneError(f"bead.file = {error}") from None
     return found
 
 
