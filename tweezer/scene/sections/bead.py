@@ -117,12 +117,16 @@ class Bead(Round):
     @classmethod
     def _size(cls, data: Any) -> Any:
         """Replace a diameter in the data by the radius; refuse size and index beside layers."""
-        if isinstance(data, dict) and data.get("spheres") is not None:
+        if not isinstance(data, dict):
+            return data
+        if data.get("shape") == "spheres" and data.get("spheres") is None:
+            raise refusal("spheres: missing; shape = 'spheres' requires them")
+        if data.get("spheres") is not None:
             for key in ("radius", "diameter"):
                 if data.get(key) is not None:
                     raise refusal(f"{key} = {data[key]}: cannot be combined with spheres")
             return data
-        if not isinstance(data, dict) or data.get("layers") is None:
+        if data.get("layers") is None:
             return with_half(data, "radius", "diameter", *BEAD_RADIUS)
         for key in WITHIN_LAYERS:
             if data.get(key) is not None:

@@ -64,7 +64,7 @@ def check_keys(shape: str, given: Mapping[str, Any]) -> None:
     shape : str
         Name in `SHAPES`.
     given : mapping
-        Values of the keys of all shapes, of `layers` and of `refractive_index`.
+        Values of the keys of all shapes, `layers`, `refractive_index` and `moments_of_inertia`.
     """
     for other in SHAPES.values():
         for key in other.needs:
@@ -82,6 +82,10 @@ def check_keys(shape: str, given: Mapping[str, Any]) -> None:
         raise refusal(
             f"refractive_index: does not apply to shape = {shape!r}, because {own} an index; "
             "remove it"
+        )
+    if shape in ("spheroid", "spheres") and given.get("moments_of_inertia") is not None:
+        raise refusal(
+            f"moments_of_inertia: follow from density and size for shape = {shape!r}; remove them"
         )
     needs_index = SHAPES[shape].index and given.get("layers") is None
     if needs_index and given.get("refractive_index") is None:
