@@ -39,6 +39,8 @@ def _euler_parameters(value: Any) -> Any:
     """Return Euler parameters, those of an axis (3 numbers) turning z to it by the shortest way."""
     if not isinstance(value, list | tuple) or len(value) != 3:
         return value
+    if any(isinstance(each, bool) for each in value):
+        return value
     try:
         x, y, z = (float(each) for each in value)
     except (TypeError, ValueError):
