@@ -126,16 +126,17 @@ def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
 
         return page_of(name), 0
     scene = scene_with(name, settings_of(changes))
+    if trap and scene.bead.shape != "sphere":
+        raise SceneError(
+            f"--trap: bead.shape = {scene.bead.shape!r} has no page; use `tweezer trap --plot`"
+        )
     bind_light(scene)
     if trap:
         from tweezer.trap import Trap, characterise
         from tweezer.viewing import view as page_of
 
         characterised = characterise(scene)
-        if not isinstance(characterised, Trap):
-            raise SceneError(
-                f"--trap: bead.shape = {scene.bead.shape!r} has no page; use `tweezer trap --plot`"
-            )
+        assert isinstance(characterised, Trap)
         return page_of(characterised), 0
 
     from tweezer.dynamics.second_process import compiling_beside
