@@ -164,10 +164,12 @@ def settings_of(changes: list[str], **simulation: str | None) -> dict[str, str]:
 def with_thermal_motion(scene: str | Scene, settings: dict[str, str]) -> Scene:
     """Return a scene with settings and thermal motion, with forces from a map if possible.
 
-    A map is used only if the scene does not choose an evaluator and its light is symmetric enough.
+    A map is used only for a sphere, if the scene does not choose an evaluator and its light is
+    symmetric enough.
     """
     thermal, by_map = scene_with(scene, {"forces.brownian": "true"} | settings), EVALUATORS["map"]
-    if thermal.optics.evaluator == "auto" and thermal.allows(by_map):
+    sphere = thermal.bead.shape == "sphere"
+    if sphere and thermal.optics.evaluator == "auto" and thermal.allows(by_map):
         return thermal.replace(optics={"evaluator": by_map.name})
     return thermal
 

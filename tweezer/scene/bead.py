@@ -91,7 +91,7 @@ def bead_properties(scene: SceneLike) -> BeadProperties:
     scene = checked_scene(scene)
     if scene.bead.shape != "sphere":
         raise SceneError(
-            f"bead.shape = {scene.bead.shape!r}: the drag of such a body is not computed yet; "
+            f"bead.shape = {scene.bead.shape!r}: the motion of such a body is not simulated yet; "
             "allowed: 'sphere'. optical_force, optical_torque and `tweezer trap` accept any shape"
         )
     body, r = scene.body, scene.bead.radius  # the drag is a sphere's
