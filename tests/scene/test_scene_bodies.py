@@ -273,7 +273,7 @@ def test_right_scene_of_a_body_is_accepted(command_line, changes):
         command_line("trap", "scene.toml")
 
 
-DRAG = "bead.shape = 'spheroid': the drag of such a body is not computed yet; allowed: 'sphere'"
+DRAG = "bead.shape = 'spheroid': the motion of such a body is not simulated yet; allowed: 'sphere'"
 
 
 @pytest.mark.usefixtures("never_computed")
