@@ -113,8 +113,8 @@ class LightOnBody(LightForce):
     def _sums(self, positions: Array, orientations: Array | None, *, derivative: bool) -> Array:
         """Return the sums of `kernel.body_sums` at positions and orientations, (n, 44)."""
         found: Array = body_sums()(
-            np.require(positions, np.float64, ["C"]),
-            np.require(self._turned(positions, orientations), np.float64, ["C"]),
+            np.require(positions, np.float64, ["C", "W"]),  # compiled for arrays that are writable
+            np.require(self._turned(positions, orientations), np.float64, ["C", "W"]),
             self._reaching(positions).data, derivative,
         )  # fmt: skip
         return found
