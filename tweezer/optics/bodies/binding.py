@@ -32,7 +32,7 @@ _ROUNDING = 2e-15
 #: Force of the sums, in n_m P/c
 _UNIT = 4 * math.pi**2
 #: Number of places at which degrees are compared; difference allowed there, of the tolerance
-_PLACES, _CUT = 24, 0.2
+_PLACES, _CUT = 48, 0.2
 #: Elements of S - 1 below this part of the largest count as symmetric or zero
 _ALIKE = 1e-13
 
@@ -128,7 +128,10 @@ def body_data(t_matrix: TMatrix, light: Waves, tolerance: float, reach: float) -
     far = 2 * (light.radius + 2 * math.pi / light.wavenumber)
     trial = _Bound(t_matrix, light, tolerance, far)
     random = np.random.default_rng(0)
-    places = random.uniform(-far / 4, far / 4, (_PLACES, 3))
+    # half of the places are in the light, half where it reaches the body's edge: there the light
+    # on the body has higher degrees
+    half = np.repeat([far / 4, far / 2], _PLACES // 2)
+    places = half[:, None] * random.uniform(-1.0, 1.0, (_PLACES, 3))
     turned = random.normal(size=(_PLACES, 4))
     turned /= np.linalg.norm(turned, axis=1, keepdims=True)
 
