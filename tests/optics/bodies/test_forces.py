@@ -277,8 +277,9 @@ def test_mirror_image_of_body_and_light_feels_the_mirror_image_of_the_force(name
     scene = scene_with(BODIES[name], beam={**ELLIPTIC, "jones": [a, [-b[0], -b[1]]]})
     force, torque, absorbed = everything(scene_of(name), positions, orientations)
     found = everything(scene, positions @ mirror, mirrored)
-    assert np.abs(found[0] - force @ mirror).max() < 1e-13 * np.abs(force).max()
-    assert np.abs(found[1] + torque @ mirror).max() < 1e-12 * np.abs(torque).max()
+    off = 1e-13 + 100 * tweezer.t_matrix(scene).error  # the T-matrix of a cluster is not symmetric
+    assert np.abs(found[0] - force @ mirror).max() < off * np.abs(force).max()
+    assert np.abs(found[1] + torque @ mirror).max() < 10 * off * np.abs(torque).max()
     assert found[2] == pytest.approx(absorbed, rel=1e-11)
 
 
@@ -408,3 +409,11 @@ def test_reach_grows_with_the_positions():
 def test_body_too_far_for_waves_is_refused():
     with pytest.raises(tweezer.SceneError, match=r"^positions = 0.01: waves are computed up to "):
         tweezer.optical_force(scene_of("prolate"), [0.01, 0, 0])
+
+
+def test_body_in_a_beam_without_power_feels_nothing():
+    dark = scene_with(BODIES["prolate"], beam={"power_through_pupil": 0})
+    field = tweezer.light(dark).field([[0, 0, 1e-7]])
+    assert not field.force.any()
+    assert not field.absorbed_power.any()
+    assert not tweezer.optical_jacobian(dark, [0, 0, 1e-7]).any()

@@ -240,7 +240,8 @@ def _each(
     force: LightForce | Beams, positions: Array, orientations: Array, time: float
 ) -> Iterator[tuple[float, LightOnBody, Array, Array, bool]]:
     """Yield each lit beam: factor of its power, its force, the pose in its frame, whether down."""
-    assert isinstance(force, Beams)
+    if not isinstance(force, Beams):
+        return  # the only beam has no power
     for moved, light in zip(force.forces, force.lights, strict=True):
         if not isinstance(light, LightOnBody):
             continue  # a beam without power
