@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -33,7 +34,7 @@ _AXES = (
     (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.6, 0.0, 0.8), (0.0, 0.6, 0.8),
     (0.5, -0.7, 0.5), (-0.8, 0.5, 0.3),
 )  # fmt: skip
-#: Starts along the axis of the light, in radii that enclose the body
+#: Starts along the axis of each beam from its focus, in radii that enclose the body
 _HEIGHTS = (0.3, 1.0)
 #: Most steps of a search, and those of Newton's method at its end
 _STEPS, _NEWTON = 400, 12
@@ -60,10 +61,11 @@ class BodyEquilibrium(Comparable):
     axes. It is not symmetric, because the force of light has no potential"""
     eigenvalues: Vector
     """(6, 2) N/m, real and imaginary part of the eigenvalues of `stiffness` with angles times
-    `length`, in ascending order of the real part. A body of revolution has one that is 0"""
+    `length`, in ascending order of the real part. Those of motions that change nothing are 0: turns
+    about an axis of revolution of the body, and about the axis of light that is symmetric"""
     stable: bool
     """whether all relaxation rates, or all eigenvalues where the drag is not known, have positive
-    real parts, except the one that is 0"""
+    real parts, except those of motions that change nothing"""
     residual: float
     """remaining force, with torques over `length`, N"""
     length: float
@@ -76,9 +78,19 @@ class BodyEquilibrium(Comparable):
     @property
     def axis(self) -> Array:
         """Direction of the body's z axis, (3,); the one with z >= 0."""
-        axis = _rotation(np.asarray(self.orientation)).as_matrix()[:, 2]
-        first = next((each for each in axis[::-1] if abs(each) > 1e-9), 1.0)
-        return 0.0 + (axis if first > 0 else -axis)
+        return self.direction_of((0.0, 0.0, 1.0))
+
+    def direction_of(self, axis: ArrayLike) -> Array:
+        """Return the direction of an axis of the body, (3,); the one with z >= 0.
+
+        Parameters
+        ----------
+        axis : array_like, shape (3,)
+            Axis in the body's frame, of length 1.
+        """
+        turned = _rotation(np.asarray(self.orientation)).apply(axis)
+        first = next((each for each in turned[::-1] if abs(each) > 1e-9), 1.0)
+        return np.asarray(0.0 + (turned if first > 0 else -turned))
 
     @property
     def coupling(self) -> float:
@@ -140,7 +152,7 @@ class BodyTrap(Comparable, Shown):
             yield Row("equilibrium", f"no stable one found {self.searched}")
         else:
             yield Row("stable equilibrium", ", ".join(map(micrometres, held.position)) + " um")
-            yield Row("axis of the body", _direction(held.axis))
+            yield Row("axis of the body", _direction(self._axis(held)))
             k = np.diag(held.stiffness)
             turning = np.where(np.abs(k[3:]) > _FREE * np.abs(k[3:]).max(), k[3:], 0.0)
             yield Row("stiffness (x, y, z)", printed(tuple(k[:3]), "pN/um"))
@@ -173,13 +185,18 @@ class BodyTrap(Comparable, Shown):
                   f"{self.t_matrix.reciprocity:.1g}", detail=True)  # fmt: skip
         yield Row("searched", self.searched, detail=True)
 
+    def _axis(self, place: BodyEquilibrium) -> Array:
+        """Return the direction of the body's axis of revolution, or else of its z axis."""
+        axes = self.t_matrix.axes_of_revolution
+        return place.direction_of(axes[0]) if len(axes) == 1 else place.axis
+
     def _places(self) -> Table:
         """Return the table of all equilibria."""
         return Table(
             ("equilibrium", "position, um", "axis of the body"),
             tuple(
                 ("stable" if each.stable else "unstable",
-                 ", ".join(map(micrometres, each.position)), _direction(each.axis))
+                 ", ".join(map(micrometres, each.position)), _direction(self._axis(each)))
                 for each in self.equilibria
             ),
         )  # fmt: skip
@@ -203,9 +220,10 @@ def _direction(axis: Array) -> str:
 def body_trap(scene: Scene) -> BodyTrap:
     """Characterise the trap of a body that is not a sphere.
 
-    Equilibria are searched from several starts, with the axis of the body along and across the
-    light and tilted. Each search follows force and torque with damped steps, which end in Newton's
-    method with the exact derivative. The body's weight and buoyancy act at its centre of volume.
+    Equilibria are searched from several starts at the focus of each beam, with the axis of the body
+    along and across the light and tilted. Each search follows force and torque with damped steps,
+    which end in Newton's method with the exact derivative. The body's weight and buoyancy act at
+    its centre of volume.
 
     An equilibrium is stable if overdamped motion about it decays. The rates are the eigenvalues of
     mobility times stiffness. Where the drag of the body is not known, the eigenvalues of the
@@ -234,14 +252,14 @@ def body_trap(scene: Scene) -> BodyTrap:
         )
     search = _Search(scene)
     found: list[BodyEquilibrium] = []
-    for height in _HEIGHTS:
-        for axis in _AXES:
-            start = np.array([0.0, 0.0, height * search.length])
-            if axis[2] not in (0.0, 1.0):  # off the axis too, to leave what is symmetric
-                start[:2] = 0.1 * search.length * np.array([0.7, 0.4])
-            place = search.relaxed(start, _turning(np.array(axis)))
-            if place is not None and not any(search.same(place, each) for each in found):
-                found.append(place)
+    starts = list(itertools.product(search.foci, _HEIGHTS, _AXES))
+    for focus, height, axis in starts:
+        start = focus + np.array([0.0, 0.0, height * search.length])
+        if axis[2] not in (0.0, 1.0):  # off the axis too, to leave what is symmetric
+            start[:2] += 0.1 * search.length * np.array([0.7, 0.4])
+        place = search.relaxed(start, _turning(np.array(axis)))
+        if place is not None and not any(search.same(place, each) for each in found):
+            found.append(place)
     found.sort(key=lambda each: (not each.stable, float(each.position[2])))
     stable = [each for each in found if each.stable]
     held = min(stable, key=lambda each: float(np.linalg.norm(each.position)), default=None)
@@ -261,7 +279,7 @@ def body_trap(scene: Scene) -> BodyTrap:
     return BodyTrap(
         scene=scene, equilibria=tuple(found), equilibrium=held, escapes=pulled,
         torque_efficiency=efficiency, absorbed_power=absorbed, force_error=error,
-        t_matrix=t_matrix(scene), searched=f"from {len(_AXES) * len(_HEIGHTS)} starts",
+        t_matrix=t_matrix(scene), searched=f"from {len(starts)} starts",
     )  # fmt: skip
 
 
@@ -272,6 +290,9 @@ class _Search:
         self.light: LightForce | Beams = light_force(scene)
         self.body = t_matrix(scene)
         self.length = self.body.radius
+        self.foci = _foci_of(self.light)
+        self.axes = self.body.axes_of_revolution
+        self.around = _same_all_around(self.light)
         self._scene, self._mobility = scene, _mobility(scene)
         bead, forces, medium = scene.body, scene.forces, scene.medium
         g = forces.gravitational_acceleration
@@ -342,23 +363,51 @@ class _Search:
             rates = _sorted(np.linalg.eigvals(turned @ self._mobility @ turned.T @ stiffness))
         judged = values if rates is None else rates
         free = np.abs(judged) <= _FREE * np.abs(judged).max()
-        stable = bool(
-            (judged.real[~free] > 0).all() and free.sum() <= (1 if self.body.axial else 0)
-        )
+        stable = bool((judged.real[~free] > 0).all() and free.sum() <= self._unchanging(r, e))
         r = np.where(np.abs(r) < 1e-13 * self.length, 0.0, r)
         return BodyEquilibrium(
             fixed(r), fixed(e), fixed(stiffness), _parts(values), stable,
             float(np.linalg.norm(force)), self.length, None if rates is None else _parts(rates),
         )  # fmt: skip
 
+    def _unchanging(self, position: Array, orientation: Array) -> int:
+        """Return the number of independent motions from a pose that change nothing.
+
+        These are turns about the body's axes of revolution, and about the axis of the light if that
+        is the same all around.
+        """
+        turns = self.axes @ _rotation(orientation).as_matrix().T
+        motions = np.hstack([np.zeros_like(turns), turns])
+        if self.around:
+            z = np.array([0.0, 0.0, 1.0])
+            motions = np.vstack([motions, [*np.cross(z, position) / self.length, *z]])
+        return int(np.linalg.matrix_rank(motions, tol=_SAME_ANGLE)) if len(motions) else 0
+
     def same(self, one: BodyEquilibrium, other: BodyEquilibrium) -> bool:
-        """Return whether two equilibria are the same, for a body of revolution about its axis."""
-        apart = np.linalg.norm(np.asarray(one.position) - np.asarray(other.position))
-        if apart > _SAME * self.length:
+        """Return whether motions that change nothing lead from one equilibrium to the other.
+
+        The axis of a body of revolution is compared without its sign.
+        """
+        (position, directions), (place, turned) = self._pose(one), self._pose(other)
+        if np.linalg.norm(position - place) > _SAME:
             return False
-        if self.body.axial:
-            return bool(np.linalg.norm(np.cross(one.axis, other.axis)) < _SAME_ANGLE)
-        return abs(float(np.dot(one.orientation, other.orientation))) > 1 - _SAME_ANGLE**2 / 8
+        signs = (1.0, -1.0) if len(self.axes) == 1 else (1.0,)
+        return any(np.linalg.norm(sign * turned - directions) < _SAME_ANGLE for sign in signs)
+
+    def _pose(self, place: BodyEquilibrium) -> tuple[Array, Array]:
+        """Return position (in `length`) and directions, as far as such motions leave them alone."""
+        r, frame = (
+            np.asarray(place.position) / self.length,
+            _rotation(np.asarray(place.orientation)),
+        )
+        z, turned = np.array([0.0, 0.0, 1.0]), frame.as_matrix()
+        if len(self.axes) == 0:
+            return (turned.T @ r, turned.T @ z) if self.around else (r, turned.ravel())
+        axis = turned @ self.axes[0] if len(self.axes) == 1 else np.zeros(3)
+        if not self.around:
+            return r, axis
+        directions = np.array([axis @ z, axis @ r, axis @ np.cross(z, r)])
+        return np.array([math.hypot(r[0], r[1]), r[2]]), directions
 
     def torque_efficiency(self, position: Array, orientation: Array) -> float:
         """Return the largest torque times omega over the power, turned about x and about y."""
@@ -379,6 +428,22 @@ class _Search:
         if self.body.lossless:
             return None
         return float(absorbed_of(self.light, position[None], orientation[None], 0.0)[0])
+
+
+def _foci_of(light: LightForce | Beams) -> Array:
+    """Return the different foci of the beams at time 0, (n, 3) m."""
+    if isinstance(light, Beams):
+        return np.unique([moved.place.at(0.0) for moved in light.forces], axis=0)
+    return np.zeros((1, 3))
+
+
+def _same_all_around(light: LightForce | Beams) -> bool:
+    """Return whether the light is the same all around the z axis at time 0."""
+    if isinstance(light, Beams):
+        return all(each.light.symmetric for each in light.lights) and not any(
+            moved.place.at(0.0)[:2].any() for moved in light.forces
+        )
+    return light.light.symmetric
 
 
 def _length(vector: ArrayLike) -> float:

@@ -16,13 +16,19 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+import scipy.sparse
 from numpy.typing import NDArray
 
+from tweezer.values.arrays import Array
 from tweezer.values.printed import printed
 from tweezer.values.shown import Card, Row, Shown
 
 ComplexArray = NDArray[np.complex128]
 Integers = NDArray[np.int64]
+
+#: Degree up to which a T-matrix is compared with a rotated one, and the change that counts as none,
+#: as a part of the matrix
+_COMPARED, _UNCHANGED = 20, 1e-5
 
 
 def modes_up_to(degree: int) -> Integers:
@@ -109,6 +115,24 @@ class TMatrix(Shown):
         m = self.modes[:, 1]
         return not self.matrix[m[:, None] != m[None, :]].any()
 
+    @functools.cached_property
+    def axes_of_revolution(self) -> Array:
+        """Axes about which a rotation of the body does not change T, in the body's frame.
+
+        There are none, one or, for a sphere, three: (0, 3), (1, 3) or (3, 3).
+        """
+        low = self.cut(_COMPARED)
+        l, m, _ = low.modes.T
+        raised = scipy.sparse.diags_array(np.sqrt(l * (l + 1.0) - m * (m + 1.0))[:-2], offsets=-2)
+        components = (
+            (raised + raised.T) / 2, (raised - raised.T) / 2j, scipy.sparse.diags_array(m + 0.0),
+        )  # fmt: skip
+        # J T - T J is the change of T with the angle of a rotation
+        changes = [each @ low.matrix - low.matrix @ each for each in components]
+        products = np.array([[np.vdot(a, b).real for a in changes] for b in changes])
+        squares, axes = np.linalg.eigh(products)
+        return axes.T[squares <= _UNCHANGED**2 * np.vdot(low.matrix, low.matrix).real]
+
     def save(
         self,
         path: str | Path,
@@ -139,10 +163,11 @@ class TMatrix(Shown):
 
     def card(self) -> Card:
         """Return the card with size, degree and certificates."""
+        shape = "body of revolution" if len(self.axes_of_revolution) else "without an axis"
         rows = (
             Row("encloses", f"{printed(self.radius, 'um')} about its origin"),
             Row("modes", f"{len(self.modes)}, up to degree {self.degree}"),
-            Row("shape", "body of revolution" if self.axial else "without an axis"),
+            Row("shape", shape),
             Row("absorbs", "no" if self.lossless else "yes"),
             Row("error", f"{self.error:.1g}"),
             Row("unitarity", f"{self.unitarity:.1g}"),
