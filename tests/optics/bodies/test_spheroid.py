@@ -250,7 +250,7 @@ def test_certificates_and_stated_error(diameter, length, index):
     assert T.radius == max(diameter, length) / 2 * UM
     assert T.unitarity < 1e-13
     assert T.reciprocity < 1e-13
-    assert T.error < 1e-11
+    assert T.error < 3e-11
     if not T.lossless:
         assert np.linalg.eigvalsh(T.change + T.change.conj().T).min() < -1e-3
     more = of(diameter, length, index, degree=T.degree + 8)
@@ -258,7 +258,7 @@ def test_certificates_and_stated_error(diameter, length, index):
     assert np.abs(T.change - more.cut(T.degree).change).max() <= T.error + more.error
     left_out = more.change.copy()
     left_out[: len(T.matrix), : len(T.matrix)] = 0
-    assert np.abs(left_out).max() < 3e-9
+    assert np.abs(left_out).max() <= T.error
 
 
 def test_stated_error_of_rough_truncations_exceeds_the_true_one(monkeypatch):
@@ -267,7 +267,7 @@ def test_stated_error_of_rough_truncations_exceeds_the_true_one(monkeypatch):
         monkeypatch.setattr("tweezer.optics.bodies.spheroid._EXTRA", (0, 2))
         rough = of(2 / 3, 2.0, degree=degree)
         error = np.abs(rough.change - exact.cut(degree).change).max()
-        assert 1e-10 < error < rough.error < 0.1
+        assert 1e-10 < error < rough.error < 0.2
 
 
 def test_t_matrix_is_the_same_if_lengths_and_wavelength_scale():

@@ -20,11 +20,11 @@ _CONVERGED = 1e-11
 
 
 def degree_for(size: float) -> int:
-    """Return the degree that describes a body to about 1e-11: x + 4 x^(1/3) + 4.
+    """Return the degree beyond which S - 1 is below about 1e-11: x + 4 x^(1/3) + 9.
 
     `size` is x, the wavenumber times the radius of the enclosing sphere.
     """
-    return math.ceil(size + 4 * size ** (1 / 3)) + 4
+    return math.ceil(size + 4 * size ** (1 / 3)) + 9
 
 
 def spheroid_t_matrix(
@@ -38,7 +38,8 @@ def spheroid_t_matrix(
     """Return the T-matrix of a spheroid whose axis is z.
 
     The matrices of the method are truncated above the degrees that are kept, further and further
-    until S - 1 changes by less than 1e-11. The last change is the error.
+    until S - 1 changes by less than 1e-11. The error is the last change plus the largest element of
+    the highest degree, because further degrees have smaller elements.
 
     Parameters
     ----------
@@ -66,6 +67,9 @@ def spheroid_t_matrix(
         error = 2 * float(np.abs(fine - coarse).max())
         if error < _CONVERGED:
             break
+    left_out = 2 * float(np.abs(fine[:, :, degree]).max(initial=0.0))
+    left_out = max(left_out, 2 * float(np.abs(fine[..., degree]).max(initial=0.0)))
+    error += left_out
     matrix = _in_helicities(fine, degree)
     return TMatrix(matrix, wavenumber, refractive_index, radius, index.imag == 0, error)
 
