@@ -222,8 +222,8 @@ def body_trap(scene: Scene) -> BodyTrap:
 
     Equilibria are searched from several starts at the focus of each beam, with the axis of the body
     along and across the light and tilted. Each search follows force and torque with damped steps,
-    which end in Newton's method with the exact derivative. The body's weight and buoyancy act at
-    its centre of volume.
+    which end in Newton's method with the exact derivative. Its weight and buoyancy act at the
+    centre of volume.
 
     An equilibrium is stable if overdamped motion about it decays. The rates are the eigenvalues of
     mobility times stiffness. Where the drag of the body is not known, the eigenvalues of the

@@ -32,6 +32,10 @@ from tweezer.optics.waves.kernel import (
     HIGHEST,
     LOWEST,
     SHARE,
+    Waves,
+    Weights,
+    elements_about,
+    neighbours,
 )
 from tweezer.optics.waves.partial_waves import (
     HELICITY,
@@ -58,8 +62,8 @@ _SIX = 6
 #: Numbers of one bead: force and torque, absorbed power, |p|^2, the 6 x 6 derivative
 FOUND, ABSORBED, FELT = 8 + _SIX * _SIX, 6, 7
 DERIVATIVE = 8
-#: Rows of the elements, as in `harmonics.Elements`
-_ALONG, _WITHIN, _RAISED, _TURNED, _LOWERED, _LIFT = range(6)
+#: Row of the elements of J_+, as in `harmonics.Elements`
+_LIFT = 5
 
 
 def of_strength(data: Data, ratio: float) -> dict[int, float]:
@@ -249,40 +253,6 @@ def _product(body, classes, room, at, which, count, padded, many):  # type: igno
 
 
 @named_njit(**OPTIONS)
-def _neighbours(own, partner, at, stride, imaginary):  # type: ignore[no-untyped-def]
-    """Return the amplitudes about (n, m) for eight degrees n, as the summands take them."""
-    down, up = at - stride, at + stride
-    return (
-        lanes(own, down - 1), lanes(own, down - 1 + imaginary),
-        lanes(own, down), lanes(own, down + imaginary),
-        lanes(own, down + 1), lanes(own, down + 1 + imaginary),
-        lanes(own, at - 1), lanes(own, at - 1 + imaginary),
-        lanes(own, at), lanes(own, at + imaginary),
-        lanes(own, at + 1), lanes(own, at + 1 + imaginary),
-        lanes(own, up - 1), lanes(own, up - 1 + imaginary),
-        lanes(own, up), lanes(own, up + imaginary),
-        lanes(own, up + 1), lanes(own, up + 1 + imaginary),
-        lanes(partner, down), lanes(partner, down + imaginary),
-        lanes(partner, at), lanes(partner, at + imaginary),
-        lanes(partner, up), lanes(partner, up + imaginary),
-    )  # fmt: skip
-
-
-@named_njit(**OPTIONS)
-def _elements_about(table, size, of, stride):  # type: ignore[no-untyped-def]
-    """Return the elements of the direction between (n, m) and its neighbours, eight degrees n."""
-    below = of - stride
-    return (
-        lanes(table, _ALONG * size + of), lanes(table, _ALONG * size + of + 1),
-        lanes(table, _WITHIN * size + of),
-        lanes(table, _RAISED * size + below - 1), lanes(table, _TURNED * size + below),
-        lanes(table, _LOWERED * size + below + 1),
-        lanes(table, _RAISED * size + of), lanes(table, _TURNED * size + of),
-        lanes(table, _LOWERED * size + of),
-    )  # fmt: skip
-
-
-@named_njit(**OPTIONS)
 def _combine(p, t, degree, highest, v):  # type: ignore[no-untyped-def]
     """Fill `v` with 2p + t up to a degree."""
     imaginary = imaginary_of(highest)
@@ -301,7 +271,7 @@ def _with_component(  # type: ignore[no-untyped-def]
 ):
     """Return the sums of `wrench_sums` with what (n, m) of one component adds, eight degrees n."""
     re, im = lanes(answer, at), lanes(answer, at + imaginary)
-    n = _neighbours(own, partner, at, stride, imaginary)
+    n = neighbours(Waves(own, partner, imaginary, 0, 0, 0), at, stride)
     x, y, z = bodies.force_summand(re, im, *n, *about)
     a, b, c, lost = bodies.torque_summand(
         re, im, n[2], n[3], n[8], n[9], n[14], n[15], m, lift_down, lift
@@ -329,7 +299,7 @@ def wrench_sums(p, t, v, table, degree, highest, found):  # type: ignore[no-unty
         row, elements = row_of(m, highest), stride + LANES + (m + highest) * stride
         for block in range(abs(m) // LANES * LANES, degree + 1, LANES):
             at, of = row + block, elements + block
-            about = _elements_about(table, size, of, stride)
+            about = elements_about(Weights(table, table, stride, size), of)
             lift_down = lanes(table, _LIFT * size + of - stride)
             lift = lanes(table, _LIFT * size + of)
             sums = _with_component(
@@ -356,9 +326,9 @@ def _generated(field, table, degree, highest, out):  # type: ignore[no-untyped-d
             for block in range(abs(m) // LANES * LANES, degree + 1, LANES):
                 at, of = row + block, elements + block
                 f = bodies.generators(
-                    *_neighbours(own, partner, at, stride, imaginary), float(m),
+                    *neighbours(Waves(own, partner, imaginary, 0, 0, 0), at, stride), float(m),
                     lanes(table, _LIFT * size + of - stride), lanes(table, _LIFT * size + of),
-                    *_elements_about(table, size, of, stride),
+                    *elements_about(Weights(table, table, stride, size), of),
                 )  # fmt: skip
                 for j, (re, im) in enumerate(
                     ((f[0], f[1]), (f[2], f[3]), (f[4], f[5]), (f[6], f[7]), (f[8], f[9]),

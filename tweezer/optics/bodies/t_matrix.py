@@ -119,7 +119,7 @@ class TMatrix(Shown):
     def axes_of_revolution(self) -> Array:
         """Axes about which a rotation of the body does not change T, in the body's frame.
 
-        There are none, one or, for a sphere, three: (0, 3), (1, 3) or (3, 3).
+        The shape is (0, 3) without an axis, (1, 3) with one, and (3, 3) for a sphere.
         """
         low = self.cut(_COMPARED)
         l, m, _ = low.modes.T

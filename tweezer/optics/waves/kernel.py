@@ -146,7 +146,7 @@ def force_sum(light, weights, found):  # type: ignore[no-untyped-def]
 
 
 @named_njit(**OPTIONS)
-def _neighbours(light, at, stride):  # type: ignore[no-untyped-def]
+def neighbours(light, at, stride):  # type: ignore[no-untyped-def]
     """Return the amplitudes P_nm that the summand of (m, n) needs, for eight degrees n at a time.
 
     P_nm belongs to the partial wave of degree n and order m. The result is P at (n - 1, n, n + 1)
@@ -173,7 +173,7 @@ def _neighbours(light, at, stride):  # type: ignore[no-untyped-def]
 
 
 @named_njit(**OPTIONS)
-def _elements_about(weights, of):  # type: ignore[no-untyped-def]
+def elements_about(weights, of):  # type: ignore[no-untyped-def]
     """Return the matrix elements of the direction s between (n, m) and its neighbours.
 
     n is the degree, m the order of a partial wave. The elements are for eight degrees n at a time,
@@ -216,8 +216,8 @@ def force_and_gradient_sum(light, weights, wavenumber, found):  # type: ignore[n
                 lanes(sphere, _V_RE * stride + n), lanes(sphere, _V_IM * stride + n),
             )  # fmt: skip
             a, b, c, aa, ab, ac, ba, bb, bc, ca, cb, cc = waves.force_and_gradient_summand(
-                *_neighbours(light, row + block, stride), *at_n,
-                *_elements_about(weights, elements + block),
+                *neighbours(light, row + block, stride), *at_n,
+                *elements_about(weights, elements + block),
             )  # fmt: skip
             x, y, z = x + a, y + b, z + c
             xx, xy, xz = xx + aa, xy + ab, xz + ac
@@ -283,7 +283,7 @@ def moment_gradient_sum(light, weights, found):  # type: ignore[no-untyped-def]
                 lanes(weights.elements, _LIFT * size + of),
             )  # fmt: skip
             aa, ab, ac, ba, bb, bc, ca, cb, cc = waves.moment_gradient_summand(
-                *_neighbours(light, row + block, stride), *at_n, *_elements_about(weights, of)
+                *neighbours(light, row + block, stride), *at_n, *elements_about(weights, of)
             )
             xx, xy, xz = xx + aa, xy + ab, xz + ac
             yx, yy, yz = yx + ba, yy + bb, yz + bc
