@@ -205,7 +205,8 @@ def _end_of(attributes: Mapping[str, Any], times: Array) -> End:
         raise ResultError("continue_from: the attribute `end` is damaged") from None
     if not len(times) or times[-1] != end.time:
         raise ResultError(
-            f"continue_from: is a part of a run, which ends at {end.time:.9g} s; pass the whole run"
+            f"continue_from: the last samples are missing; the run ends at {end.time:.9g} s; pass "
+            "the whole run"
         )
     return end
 

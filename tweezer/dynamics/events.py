@@ -54,7 +54,7 @@ class Occurrence:
 
 @dataclass
 class Event:
-    """Event of a run: the change of sign of a function of the motion.
+    """Event of a run, at which a function of the motion changes its sign.
 
     Parameters
     ----------

@@ -291,8 +291,9 @@ class EquationsOfMotion(Shown):
         return rates
 
     def jacobian(self, t: float, y: Array) -> Array:
-        """Return d(rate i)/d(state j) at a time t, s, as implicit solvers call it;
-        raises as `rhs`.
+        """Return d(rate i)/d(state j) at a time t, s, for implicit solvers.
+
+        It raises the same errors as `rhs`.
         """
         self._refuse_memory()
         derivative = np.empty((self._size, self._size))

@@ -84,7 +84,7 @@ class Facts:
 
     @functools.cached_property
     def model(self) -> Model:
-        """Model that the scene names or was given; `full` if it is open."""
+        """Model of motion that the scene names, or `full` if it names none."""
         return MODELS[self.problem.scene.simulation.model or "full"]
 
     @functools.cached_property

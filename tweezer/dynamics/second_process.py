@@ -35,7 +35,7 @@ def compiling_beside(scene: Scene) -> Iterator[None]:
     """Context in which a second process helps a run of `scene` to compile.
 
     It starts when compiling has taken a second, and ends with the context. It does not start if the
-    errors require no other code, on one processor, and on systems without file locks.
+    errors require no other code, with a single processor, or on systems without file locks.
     """
     if not (_has_errors_to_compile_for(scene) and shared.POSSIBLE and _processors() > 1):
         yield

@@ -74,7 +74,7 @@ class Job:
         """Return the job, divided into blocks and windows.
 
         A window of a block takes at most 25 MB of memory. A block has more than 64 trajectories
-        only if each of its windows still takes less than some seconds.
+        only if each of its windows still takes less than a few seconds.
 
         Parameters
         ----------

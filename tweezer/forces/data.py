@@ -79,7 +79,8 @@ def packed(*entries: Any) -> Data:
 def renumbered(data: Data, numbers: dict[int, float]) -> Data:
     """Return a copy of data in which some entries that are single numbers have new values.
 
-    `numbers` contains new values by the index of the entry, which must be a single number.
+    `numbers` contains new values by the index of the entry. Each of these entries must be a single
+    number.
     """
     changed = _by_lines(data.numbers.size)
     changed[:] = data.numbers

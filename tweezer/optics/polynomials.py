@@ -106,7 +106,7 @@ def put(f, h, g, x, y, unit, per_length, gradient, parts):  # type: ignore[no-un
 
 @named_njit(**INNER)
 def coordinates(position, at, many, spare):  # type: ignore[no-untyped-def]
-    """Return x, y and z of eight beads of `position` (n, 3), of which `at` is the first.
+    """Return x, y and z of eight consecutive beads in `position` (n, 3), starting at index `at`.
 
     If only `many` < 8 are left, the last of them is repeated. `spare` is a workspace of `PLACES`
     numbers.

@@ -33,7 +33,7 @@ def check_elements(path: Path, most_bytes: int) -> None:
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
         order = {b"IM": "<", b"MI": ">"}.get(content[_ORDER])
         if order is None:
-            raise ValueError("its header has no order of bytes")
+            raise ValueError("its header has no byte order")
         with memoryview(content) as everything, everything[_HEADER:] as elements:
             _check(elements, order, most_bytes, _DEPTH)
 

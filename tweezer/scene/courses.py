@@ -95,7 +95,7 @@ class _Course(Section):
             if any(b < a for a, b in itertools.pairwise(times)):
                 raise refusal("times: must ascend")
             if period is not None and period < times[-1]:
-                last = f"{times[-1]:g} s, the last time, or more"
+                last = f"at least the last time, {times[-1]:g} s"
                 raise refusal(f"period = {period:g} s: must be {last}")
         if end is not None and end <= (begin or 0.0):
             raise refusal(f"end = {end:g}: must be later than begin")

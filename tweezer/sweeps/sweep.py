@@ -246,8 +246,8 @@ def _workers_of(asked: Asked, workers: int | None, scheduler: object, out: objec
                         ("out", out)):  # fmt: skip
         if given is not None:
             raise SceneError(
-                f"forces: cannot be combined with {name} unless named by files, as "
-                f"'handles.py:spring'; omit {name}"
+                f"forces: can be combined with {name} only if each is given as a file and a name, "
+                f"such as 'handles.py:spring'; name them so, or omit {name}"
             )
     return 1
 

@@ -87,8 +87,8 @@ def claims(
 ) -> list[Claim]:
     """Return every claim with the verdict that follows from the motions of the three beads.
 
-    `by_bead` has motions with ray optics by the names in `BEADS`, and `by_waves` motions with wave
-    optics. If the latter are given, the claims also have verdicts from them.
+    `by_bead` maps the names in `BEADS` to motions with ray optics, and `by_waves` to motions with
+    wave optics. If the latter are given, the claims also have verdicts from them.
     """
     evidence = Evidence(by_bead)
     found = [claim(evidence) for claim in criteria()]

@@ -203,8 +203,8 @@ def fit_depth(
     noise of the same magnitude. The scene is assumed to be known except for the fitted quantities.
     With the scaled model (4.17) the bead begins with the scene's velocity. With any other model its
     inertia is neglected (5.2), because its effect is below the resolution of a camera. Hydrodynamic
-    memory is neglected too. It delays a bead in water, so that the z of the thesis's beads is found
-    10 to 25 nm too far from the trap, 0.1 to 0.4 standard uncertainties. Beside a wall the
+    memory is neglected too. For the thesis's beads in water, this places z 10 to 25 nm too far from
+    the trap, which is 0.1 to 0.4 standard uncertainties. Beside a wall the
     mobilities at the position of the bead are used, without inertia. The force comes from a force
     map, which extends to 20 radii, or with wave optics to 5 radii and 10 wavelengths in the medium.
     For linear polarisation it comes from the quadrature.
@@ -220,9 +220,9 @@ def fit_depth(
     The misfit, -2 log(likelihood), is minimised over the other fitted quantities at 81 values of z.
     Its minima in z are then refined. Where the misfit jumps by more than 7.7 near its smallest
     value, up to 80 more values of z are added, with distances down to 1/32 of the initial distance.
-    At each z, the search begins at many values of the fitted quantities and at the best values for
-    neighbouring z, until none of them improves (`tweezer.tracking.profile`). An initial z for which
-    the motion cannot be computed is excluded.
+    At each z, searches begin at many values of the fitted quantities and at the best values for
+    neighbouring z. They are repeated until no minimum improves (`tweezer.tracking.profile`). An
+    initial z for which the motion cannot be computed is excluded.
 
     The confidence interval contains each initial z whose misfit is less than 3.84 above the minimum
     (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938)), so it may be in several pieces or open. The track

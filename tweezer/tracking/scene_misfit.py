@@ -290,7 +290,7 @@ class Misfit:
     def least(self, begin: Array, fixed: int | None = None) -> Least:
         """Return the minimum that the Gauss-Newton method reaches from the place `begin` (n,).
 
-        `fixed` is the index of a key that keeps its place, or None if all keys are free.
+        `fixed` is the index of a key whose value is fixed, or None if all keys are free.
         """
         free = np.arange(len(begin)) != fixed
 

@@ -77,11 +77,11 @@ class BodyEquilibrium(Comparable):
 
     @property
     def axis(self) -> Array:
-        """Direction of the body's z axis, (3,); the one with z >= 0."""
+        """Direction of the body's z axis, (3,), with the sign chosen so that z >= 0."""
         return self.direction_of((0.0, 0.0, 1.0))
 
     def direction_of(self, axis: ArrayLike) -> Array:
-        """Return the direction of an axis of the body, (3,); the one with z >= 0.
+        """Return the direction of an axis of the body, (3,), with the sign so that z >= 0.
 
         Parameters
         ----------

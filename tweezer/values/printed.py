@@ -26,9 +26,7 @@ def printed(values: float | Iterable[float], unit: str, digits: int = 4) -> str:
 
 
 def pair(value: float, error: float, unit: str) -> tuple[str, str]:
-    """Return an SI number and its uncertainty as texts in the unit with this name, without the
-    name.
-    """
+    """Return an SI number and its uncertainty, converted to a unit, as two texts without unit."""
     return rounded(scaled(value, unit), scaled(error, unit))
 
 

@@ -145,11 +145,11 @@ def _pair(radius, angle):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def normals(seed, trajectories, step, purpose, out):  # type: ignore[no-untyped-def]
-    """Fill `out` (m, n) with normal random numbers, a column for each of trajectories (n,), int64.
+    """Fill `out` (m, n) with normal random numbers, one column for each trajectory.
 
-    seed, step, purpose: int64, which with the trajectory and the row determine a number. A number
-    does not depend on how many rows or columns are drawn. purpose: `NOISE`, `START`, `TURN` and so
-    on.
+    trajectories: indices, (n,), int64. seed, step, purpose: int64, which with the trajectory and
+    the row determine a number. A number does not depend on how many rows or columns are drawn.
+    purpose: `NOISE`, `START`, `TURN` and so on.
     """
     zero = uint64(0)
     key = uint64(seed), zero, zero, zero

@@ -268,8 +268,8 @@ def stationary_root_with_memory(weights: Weights, rates: Array) -> Array:
     largest = float(np.abs(np.linalg.eigvals(A)).max())
     if largest >= 1:
         raise SceneError(
-            "start.drawn = 'boltzmann': there is no stationary motion, as the light pushes the "
-            f"bead round the axis, and its circles grow by {largest - 1:.3g} a step; set "
+            "start.drawn = 'boltzmann': there is no stationary motion, because the light drives "
+            f"the bead in growing circles around the axis ({100 * (largest - 1):.3g} % a step); set "
             "start.drawn to equilibrium"
         )
     covariance = noise @ noise.T

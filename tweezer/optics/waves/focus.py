@@ -136,7 +136,10 @@ class Face:
 
 @dataclass(frozen=True)
 class Focus:
-    """Plane waves of a cone of light of 1 W. Where there is a face, angles are those behind it."""
+    """Plane waves of a cone of light of 1 W.
+
+    If a cover glass ends in front of the focus, the angles are measured in the medium behind it.
+    """
 
     cone: Cone
     """in front of the face"""
