@@ -29,6 +29,8 @@ from tweezer.values.rounding import micrometres
 from tweezer.values.shown import Card, Row, Shown, Table
 from tweezer.values.vectors import Comparable, Vector, fixed
 
+#: Force and torque, or displacement and rotation, in a vector of six
+_PLACE, _ANGLE = slice(0, 3), slice(3, 6)
 #: Axes of the body at the starts of the search, and distance of the starts from the focus, radii
 _AXES = (
     (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.6, 0.0, 0.8), (0.0, 0.6, 0.8),
@@ -98,9 +100,9 @@ class BodyEquilibrium(Comparable):
 
         Angles are multiplied by `length`.
         """
-        scaled = _scaled(np.asarray(self.stiffness), self.length)
-        across = max(np.abs(scaled[:3, 3:]).max(), np.abs(scaled[3:, :3]).max())
-        return float(across / max(np.abs(scaled[:3, :3]).max(), np.abs(scaled[3:, 3:]).max()))
+        size = np.abs(_scaled(np.asarray(self.stiffness), self.length))
+        across = max(size[_PLACE, _ANGLE].max(), size[_ANGLE, _PLACE].max())
+        return float(across / max(size[_PLACE, _PLACE].max(), size[_ANGLE, _ANGLE].max()))
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -154,8 +156,8 @@ class BodyTrap(Comparable, Shown):
             yield Row("stable equilibrium", ", ".join(map(micrometres, held.position)) + " um")
             yield Row("axis of the body", _direction(self._axis(held)))
             k = np.diag(held.stiffness)
-            turning = np.where(np.abs(k[3:]) > _FREE * np.abs(k[3:]).max(), k[3:], 0.0)
-            yield Row("stiffness (x, y, z)", printed(tuple(k[:3]), "pN/um"))
+            turning = np.where(np.abs(k[_ANGLE]) > _FREE * np.abs(k[_ANGLE]).max(), k[_ANGLE], 0.0)
+            yield Row("stiffness (x, y, z)", printed(tuple(k[_PLACE]), "pN/um"))
             yield Row("against rotation (x, y, z)", printed(tuple(turning), "pN um"))
             yield Row("coupling of both", f"{held.coupling:.3g} of the largest stiffness")
             largest = np.abs(held.eigenvalues).max()
@@ -335,8 +337,9 @@ class _Search:
             if damping is None:
                 damping = float(np.abs(k).max())
             step = np.linalg.solve(k + damping * np.eye(6), force)
-            step *= min(1.0, farthest / _length(step[:3]), _TURN * self.length / _length(step[3:]))
-            r, e = r + step[:3], _turned(e, step[3:] / self.length)
+            angle = _length(step[_ANGLE]) / self.length
+            step *= min(1.0, farthest / _length(step[_PLACE]), _TURN / angle)
+            r, e = r + step[_PLACE], _turned(e, step[_ANGLE] / self.length)
             if np.linalg.norm(r) > reach:
                 return None
             before, force = size, self.wrench(r, e)
@@ -349,7 +352,7 @@ class _Search:
             step = np.linalg.pinv(k, rcond=_FREE) @ force
             if np.linalg.norm(step) > farthest:
                 return None
-            r, e = r + step[:3], _turned(e, step[3:] / self.length)
+            r, e = r + step[_PLACE], _turned(e, step[_ANGLE] / self.length)
             force = self.wrench(r, e)
             if np.linalg.norm(step) < 1e-15 * self.length:
                 break

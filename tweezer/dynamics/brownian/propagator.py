@@ -269,8 +269,8 @@ def stationary_root_with_memory(weights: Weights, rates: Array) -> Array:
     if largest >= 1:
         raise SceneError(
             "start.drawn = 'boltzmann': there is no stationary motion, because the light drives "
-            f"the bead in growing circles around the axis ({100 * (largest - 1):.3g} % a step); set "
-            "start.drawn to equilibrium"
+            f"the bead in growing circles around the axis ({100 * (largest - 1):.3g} % a step); "
+            "set start.drawn to equilibrium"
         )
     covariance = noise @ noise.T
     while np.abs(A).max() > 0:
