@@ -50,7 +50,7 @@ def test_store_that_lacks_a_file_is_refused_or_marked(name):
         content = file.read_bytes()
         file.unlink()
         if "lost_time/c" in str(file):
-            assert "are not computed" in tweezer.view(path).content.warning
+            assert "were not computed" in tweezer.view(path).content.warning
             expected = "is not complete"
         else:
             expected = "(lacks .*: cut short or damaged|must have zarr.json)$"
