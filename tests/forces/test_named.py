@@ -70,7 +70,7 @@ def test_sweep_of_traps_has_the_stiffness_of_the_spring():
 def test_stored_sweep_is_resumed_with_the_same_file_alone(file, tmp_path):
     how = {"over": {"bead.radius": [5e-7]}, "of": "run", "workers": 1}
     out = tmp_path / "swept.zarr"
-    with pytest.raises(SceneError, match="forces: cannot be combined with out"):
+    with pytest.raises(SceneError, match="forces: can be combined with out only if"):
         tweezer.sweep(DARK, **how, out=out, forces=[SPRING])
     first = tweezer.sweep(DARK, **how, out=out, forces=["handles.py:spring"])
     again = tweezer.sweep(DARK, **how, out=out, forces=["handles.py:spring"], resume=True)
