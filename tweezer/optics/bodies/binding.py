@@ -15,7 +15,7 @@ from tweezer.forces.data import Data, packed
 from tweezer.optics.bodies.kernel import TOGETHER, body_sums
 from tweezer.optics.bodies.rotated import MARGIN, delta_table, length_of
 from tweezer.optics.bodies.t_matrix import TMatrix
-from tweezer.optics.waves.binding import of_states, source
+from tweezer.optics.waves.binding import ROUNDING, SMALL, UNIT, of_states, source
 from tweezer.optics.waves.focus import State
 from tweezer.optics.waves.harmonics import elements
 from tweezer.optics.waves.kernel import guarded_elements
@@ -25,12 +25,6 @@ from tweezer.values.arrays import Array
 
 ComplexArray = NDArray[np.complex128]
 
-#: Error of integrals and sums, as a part of the tolerance: the force is small beside the light
-_SMALL = 1e-3
-#: Smallest error of integrals
-_ROUNDING = 2e-15
-#: Force of the sums, in n_m P/c
-_UNIT = 4 * math.pi**2
 #: Number of places at which degrees are compared; difference allowed there, of the tolerance
 _PLACES, _CUT = 48, 0.2
 #: Elements of S - 1 below this part of the largest count as symmetric or zero
@@ -70,7 +64,7 @@ class _Bound:
     @property
     def small(self) -> float:
         """Error of integrals and sums, as a part of the light."""
-        return max(_SMALL * self.tolerance, _ROUNDING)
+        return max(SMALL * self.tolerance, ROUNDING)
 
     @functools.cached_property
     def nodes(self) -> Nodes:
@@ -97,10 +91,11 @@ class _Bound:
         stride = -(-(room + 1 + MARGIN) // LANES) * LANES
         highest = stride - 1
         floor = (self.nodes.error + cut_error) * light.strength
-        # |dF| <= (|dt| |v| + |t| |dv|) n_m/c with |t| <= 2 |p| and |v| <= 4 |p|
+        # |dF| <= (|dt| |v| + |t| |dv|) n_m/c with |t| <= 2 |p| and |v| <= 4 |p|. The elements'
+        # errors are taken to be independent, so that the norm of dS grows as the root of the modes
         unsure = 6 * len(cut.modes) ** 0.5 * self.body.error
         return packed(
-            light.strength * _UNIT, light.strength, self.tolerance, floor, unsure,
+            light.strength * UNIT, light.strength, self.tolerance, floor, unsure,
             of_states(self.states), guarded_elements(np.stack(elements(highest))),
             delta_table(degree + MARGIN, highest), np.array([1.0, -1.0] * (LANES // 2)),
             *_scattering(cut, highest), *self.source(highest),

@@ -17,13 +17,11 @@ from tweezer.optics.bodies.kernel import ABSORBED, DERIVATIVE, body_kernel, body
 from tweezer.optics.bodies.shapes import t_matrix
 from tweezer.optics.bodies.t_matrix import TMatrix
 from tweezer.optics.light import LightForce
+from tweezer.optics.waves.by_quadrature import BEYOND_LOSS
 from tweezer.optics.waves.light import Waves, waves_on_bead
 from tweezer.scene import Scene
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
-
-#: Distance up to which compiled loops compute the force, in distances at which the bead is lost
-_BEYOND_LOSS = 1.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +180,7 @@ def _of_one_watt(scene: Scene) -> LightOnBody:
     body = t_matrix(scene)
     light = dataclasses.replace(waves_on_bead(scene), radius=body.radius)
     return LightOnBody(
-        light, body, scene.optics.tolerance, _BEYOND_LOSS * scene.simulation.loss_distance,
+        light, body, scene.optics.tolerance, BEYOND_LOSS * scene.simulation.loss_distance,
         scene.start.orientation,
     )  # fmt: skip
 

@@ -29,11 +29,11 @@ from tweezer.values.arrays import Array
 ComplexArray = NDArray[np.complex128]
 
 #: Error of integrals and sums, as a part of the tolerance: the force is small beside the light
-_SMALL = 1e-3
+SMALL = 1e-3
 #: Smallest error of integrals
-_ROUNDING = 2e-15
+ROUNDING = 2e-15
 #: Force of the sums, in n_m P/c
-_UNIT = 4 * math.pi**2
+UNIT = 4 * math.pi**2
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Sums:
     def of_strength(self, strength: float) -> Sums:
         """Return these data with the power of the light changed; strength: its n_m P/c, N."""
         numbers = {
-            STRENGTH: strength * _UNIT, OF_ALL: strength, FLOOR: self.floor * strength,
+            STRENGTH: strength * UNIT, OF_ALL: strength, FLOOR: self.floor * strength,
         }  # fmt: skip
         return dataclasses.replace(self, data=renumbered(self.data, numbers))
 
@@ -72,7 +72,7 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
 
     light: waves and sphere. tolerance: relative, of the force.
     """
-    small = max(_SMALL * tolerance, _ROUNDING)
+    small = max(SMALL * tolerance, ROUNDING)
     x = light.size_parameter
     a, b = mie_coefficients(light.shells, light.wavenumber, int(x + 6 * x ** (1 / 3)) + 12)
     needed = highest_degree(a, b, small)
@@ -81,7 +81,7 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
     a, b = (np.pad(each, (0, stride))[: highest - 1] for each in (a, b))
     nodes = Nodes(light.focus, light.odd, small)
     data = packed(
-        light.strength * _UNIT, light.strength, tolerance, nodes.error * light.strength,
+        light.strength * UNIT, light.strength, tolerance, nodes.error * light.strength,
         of_states(light.states), guarded_elements(np.stack(elements(highest))),
         _of_sphere(a, b, light.states, stride),
         *source(light, light.states, nodes, reach, highest, small),

@@ -22,7 +22,7 @@ from tweezer.values.errors import SceneError
 #: Largest error that is allowed, in units of the wanted one
 _MISSED = 2.0
 #: Distance up to which compiled loops compute the force, in distances at which the bead is lost
-_BEYOND_LOSS = 1.25
+BEYOND_LOSS = 1.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,4 +153,4 @@ def _of_one_watt(scene: Scene) -> WavesByQuadrature:
     loss = scene.simulation.loss_distance
     name = "simulation.loss_distance"
     _not_too_far(light, name, loss, _smaller(scene, name))
-    return WavesByQuadrature(light, scene.optics.tolerance, _BEYOND_LOSS * loss)
+    return WavesByQuadrature(light, scene.optics.tolerance, BEYOND_LOSS * loss)
