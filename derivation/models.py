@@ -851,7 +851,6 @@ def _waves() -> Module:
 
 def _bodies() -> Module:
     turning = _scalars((sy.ORDER, sy.LIFT_DOWN, sy.LIFT))
-    circular = tuple(f"{i}_{part}" for i in ("plus", "minus", "z") for part in ("re", "im"))
     return Module(
         "bodies",
         "The force and torque of light on a body of any shape: what is summed over (n, m).",
@@ -864,20 +863,6 @@ def _bodies() -> Module:
         (),
         (),
         (
-            Function(
-                "direction",
-                "s_+ v, s_- v and s_z v at (n, m), from the amplitudes of v about it.",
-                (*_NEIGHBOURS, *_ELEMENTS),
-                bodies.parts(bodies.DIRECTED),
-                output_names=circular,
-            ),
-            Function(
-                "turned",
-                "J_+ v, J_- v and J_z v at (n, m), from the amplitudes of v about it.",
-                (*_parts(sy.DOWN, sy.AMPLITUDE, sy.UP), *turning),
-                bodies.parts(bodies.TURNED),
-                output_names=circular,
-            ),
             Function(
                 "force_summand",
                 "What (n, m) of one component adds to the force, -Re(t* s_i v).",

@@ -1,7 +1,7 @@
 """The force and torque of light on a body of any shape: what is summed over (n, m).
 
 Made by `python -m derivation` from derivation/bodies.py and derivation/waves.py; do not edit.
-SymPy 1.14.0. 184 operations, 10 temporaries.
+SymPy 1.14.0. 148 operations, 10 temporaries.
 
 The light before and after the body has the amplitudes p and q = S p, about the body's
 origin and in its frame; t = q - p and v = p + q. They have two components, electric and
@@ -12,114 +12,6 @@ are n-1 and n+1, down and up m-1 and m+1.
 """
 
 from numba import njit
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def direction(
-    down_before_re,
-    down_before_im,
-    down_re,
-    down_im,
-    down_above_re,
-    down_above_im,
-    before_re,
-    before_im,
-    P_re,
-    P_im,
-    above_re,
-    above_im,
-    up_before_re,
-    up_before_im,
-    up_re,
-    up_im,
-    up_above_re,
-    up_above_im,
-    partner_down_re,
-    partner_down_im,
-    partner_re,
-    partner_im,
-    partner_up_re,
-    partner_up_im,
-    al,
-    al_above,
-    be,
-    e1_down,
-    e0_down,
-    em_down,
-    e1,
-    e0,
-    em,
-):
-    """s_+ v, s_- v and s_z v at (n, m), from the amplitudes of v about it.
-
-    down_before_re: amplitude at (n-1, m-1), real part [1]
-    down_before_im: amplitude at (n-1, m-1), imaginary part [1]
-    down_re: amplitude at (n, m-1), real part [1]
-    down_im: amplitude at (n, m-1), imaginary part [1]
-    down_above_re: amplitude at (n+1, m-1), real part [1]
-    down_above_im: amplitude at (n+1, m-1), imaginary part [1]
-    before_re: amplitude at (n-1, m), real part [1]
-    before_im: amplitude at (n-1, m), imaginary part [1]
-    P_re: amplitude at (n, m), real part [1]
-    P_im: amplitude at (n, m), imaginary part [1]
-    above_re: amplitude at (n+1, m), real part [1]
-    above_im: amplitude at (n+1, m), imaginary part [1]
-    up_before_re: amplitude at (n-1, m+1), real part [1]
-    up_before_im: amplitude at (n-1, m+1), imaginary part [1]
-    up_re: amplitude at (n, m+1), real part [1]
-    up_im: amplitude at (n, m+1), imaginary part [1]
-    up_above_re: amplitude at (n+1, m+1), real part [1]
-    up_above_im: amplitude at (n+1, m+1), imaginary part [1]
-    partner_down_re: amplitude of the partner at (n, m-1), real part [1]
-    partner_down_im: amplitude of the partner at (n, m-1), imaginary part [1]
-    partner_re: amplitude of the partner at (n, m), real part [1]
-    partner_im: amplitude of the partner at (n, m), imaginary part [1]
-    partner_up_re: amplitude of the partner at (n, m+1), real part [1]
-    partner_up_im: amplitude of the partner at (n, m+1), imaginary part [1]
-    al: <n m|s_z|n-1 m> [1]
-    al_above: <n+1 m|s_z|n m> [1]
-    be: <n m|s_z|n m> [1]
-    e1_down: <n m|s_+|n-1 m-1> [1]
-    e0_down: <n m|s_+|n m-1> [1]
-    em_down: <n m|s_+|n+1 m-1> [1]
-    e1: <n+1 m+1|s_+|n m> [1]
-    e0: <n m+1|s_+|n m> [1]
-    em: <n-1 m+1|s_+|n m> [1]
-    Returns plus_re, plus_im, minus_re, minus_im, z_re, z_im.
-    30 operations, 0 temporaries.
-    """
-    plus_re = down_above_re * em_down + down_before_re * e1_down + e0_down * partner_down_re
-    plus_im = down_above_im * em_down + down_before_im * e1_down + e0_down * partner_down_im
-    minus_re = e0 * partner_up_re + e1 * up_above_re + em * up_before_re
-    minus_im = e0 * partner_up_im + e1 * up_above_im + em * up_before_im
-    z_re = above_re * al_above + al * before_re + be * partner_re
-    z_im = above_im * al_above + al * before_im + be * partner_im
-    return plus_re, plus_im, minus_re, minus_im, z_re, z_im
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def turned(down_re, down_im, P_re, P_im, up_re, up_im, m, lift_down, lift):
-    """J_+ v, J_- v and J_z v at (n, m), from the amplitudes of v about it.
-
-    down_re: amplitude at (n, m-1), real part [1]
-    down_im: amplitude at (n, m-1), imaginary part [1]
-    P_re: amplitude at (n, m), real part [1]
-    P_im: amplitude at (n, m), imaginary part [1]
-    up_re: amplitude at (n, m+1), real part [1]
-    up_im: amplitude at (n, m+1), imaginary part [1]
-    m: order of the harmonic [1]
-    lift_down: sqrt((n+m)(n-m+1)), of J_+ from m-1 to m [1]
-    lift: sqrt((n-m)(n+m+1)), of J_+ from m to m+1 [1]
-    Returns plus_re, plus_im, minus_re, minus_im, z_re, z_im.
-    6 operations, 0 temporaries.
-    """
-    plus_re = down_re * lift_down
-    plus_im = down_im * lift_down
-    minus_re = lift * up_re
-    minus_im = lift * up_im
-    z_re = P_re * m
-    z_im = P_im * m
-    return plus_re, plus_im, minus_re, minus_im, z_re, z_im
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

@@ -78,23 +78,6 @@ def bilinear(matrices, t, v):
     return np.array([-np.vdot(t, matrix @ v).real for matrix in matrices])
 
 
-def raising(matrices):
-    x, y, z = matrices
-    return [x + 1j * y, x - 1j * y, z]
-
-
-@pytest.mark.parametrize("k", [0, 1], ids=["electric", "magnetic"])
-def test_direction_and_angular_momentum_of_amplitudes(light, k):
-    directed = bodies.direction.py_func(*neighbours(light, k), *elements_about())
-    turned = bodies.turned.py_func(*turning(light, k))
-    for found, matrices in ((directed, raising(S)), (turned, raising(J))):
-        expected = [components(matrix @ light)[k] for matrix in matrices]
-        inside = N < HIGHEST
-        np.testing.assert_allclose(
-            complexes(found)[:, inside], np.array(expected)[:, inside], rtol=0, atol=1e-13
-        )
-
-
 @pytest.mark.parametrize("k", [0, 1], ids=["electric", "magnetic"])
 def test_generators(light, k):
     found = bodies.generators.py_func(*neighbours(light, k), *LIFT, *elements_about())
