@@ -152,8 +152,9 @@ def block(results: Results) -> str:
         f"The range is {1e3 * min(results['powers_W']):g} mW to {max(results['powers_W']):g} W and "
         f"{1e6 * min(results['diameters_m']):g} to {1e6 * max(results['diameters_m']):g} µm. "
         f"{' '.join(told)} The table contains the minimum powers through the pupil in mW. Their "
-        f"errors are at most {100 * largest:.2g} %. A lifetime of a year requires {min(ratios):.2g} to "
-        f"{max(ratios):.2g} times the power that a lifetime of an hour requires."
+        f"errors are at most {100 * largest:.2g} %. A lifetime of a year requires "
+        f"{min(ratios):.2g} to {max(ratios):.2g} times the power that a lifetime of an hour "
+        "requires."
     )
     checked = (
         "Short lifetimes were compared with ensembles of "
