@@ -159,9 +159,10 @@ def _equation(quantity: Quantity) -> str:
 def _input_names(module: Module) -> Iterator[tuple[str, str]]:
     """Yield RHS_INPUTS and JACOBIAN_INPUTS: the arguments between `state` and `params`."""
     if module.state:
-        for function in module.functions[:2]:
-            names = tuple(argument.name for argument in function.arguments[2:-1])
-            yield f"{function.name.upper()}_INPUTS", repr(names)
+        functions = {function.name: function for function in module.functions}
+        for name in ("rhs", "jacobian"):
+            arguments = functions[name].arguments[2:-1] if name in functions else ()
+            yield f"{name.upper()}_INPUTS", repr(tuple(argument.name for argument in arguments))
 
 
 def _signature(function: Function) -> str:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from . import bodies, ray, water, waves
+from . import body_motion as bm
 from . import drag as dg
 from . import euler_parameters as ep
 from . import hydrodynamics as hd
@@ -313,6 +314,133 @@ def _first_order_models() -> list[Module]:
             )
         )
     return modules
+
+
+_BODY_FRAME = (
+    "q is the centre of mass, and the moment is that about it. The matrices are constant and\n"
+    "symmetric; rows and columns 1-3 are along P1..P3, rows and columns 4-6 about them."
+)
+
+
+def _body_models() -> list[Module]:
+    """Return the models of a body of any shape, without Jacobians."""
+    placed = (*sy.POSITION, *sy.EULER_PARAMETERS)
+    released = (*placed, *sy.VELOCITY, *sy.ANGULAR_VELOCITY)
+
+    def model(
+        name: str, title: str, notes: str, state: tuple[Quantity, ...],
+        params: tuple[Quantity, ...], rates: sp.MatrixBase, extra: tuple[Function, ...] = (),
+    ) -> Module:  # fmt: skip
+        arguments = (
+            Argument("t", (sy.TIME,)),
+            Argument("state", state, (len(state),)),
+            FORCE,
+            MOMENT,
+            Argument("params", params, (len(params),)),
+        )
+        rhs = Function("rhs", "Rate of change of the state.", arguments, rates)
+        notes = f"{notes}\n{_BODY_FRAME}"
+        return Module(name, title, notes, state, params, (rhs, *extra), ("body_motion.py",))
+
+    inertia, drag = sy.upper(sy.BODY_INERTIA), sy.upper(sy.BODY_DRAG)
+    mobility = sy.upper(sy.BODY_MOBILITY)
+    of_overdamped = (*mobility, *sy.WEIGHT)
+    of_first_order = (*of_overdamped, *inertia)
+    parameters = Argument("params", of_first_order, (len(of_first_order),))
+    e = Argument("e", sy.EULER_PARAMETERS, (4,))
+    slow = bm.slow_twist
+    overdamped = (ep.R * slow[:3, :]).col_join(_turning(slow[3:, :]))
+    slow_motion = (
+        Function(
+            "slow_velocity",
+            "V_0 = B W, the twist (u, omega) without inertia, body frame.",
+            (e, FORCE, MOMENT, parameters),
+            slow,
+        ),
+        Function(
+            "slow_wrench",
+            "Force and moment in the inertial frame, for `rates`: those of the light less the\n"
+            "inertial ones, M B W' + N(V_0). They do not contain the weight. The rates of the\n"
+            "light's force and moment are those along `slow_velocity`, inertial frame.",
+            (
+                e,
+                FORCE,
+                MOMENT,
+                Argument("force_rate", sy.FORCE_RATE, (3,)),
+                Argument("moment_rate", sy.MOMENT_RATE, (3,)),
+                parameters,
+            ),
+            bm.equivalent_wrench,
+        ),
+        Function(
+            "matched_start",
+            "Displacement B M (V - V_0) from the release (position, ..., velocities) to the start\n"
+            "of the slow motion: translation and rotation vector, body frame.",
+            (Argument("released", released, (len(released),)), FORCE, MOMENT, parameters),
+            bm.matched_displacement,
+        ),
+    )
+    return [
+        model(
+            "full_body",
+            "Full model of a body of any shape: M V' + N(V) = W - R V.",
+            "H is the inverse of the inertia M. M may contain the added mass of the fluid.",
+            released,
+            (*inertia, *sy.upper(sy.BODY_INVERSE_INERTIA), *drag, *sy.WEIGHT),
+            sp.Matrix.vstack(
+                rb.v, ep.euler_rates_from_omega, bm.acceleration, bm.angular_acceleration
+            ),
+        ),
+        model(
+            "overdamped_body",
+            "Overdamped model of a body of any shape: V = B W.",
+            "B is the inverse of the drag.",
+            placed,
+            of_overdamped,
+            overdamped,
+        ),
+        model(
+            "first_order_body",
+            "First-order slow model of a body of any shape: V = B (W - M B W' - N(V_0)).",
+            "V_0 = B W, and B is the inverse of the drag. `rhs` is the overdamped motion. It is\n"
+            "correct to first order in the inertia M if force and moment are those of\n"
+            "`slow_wrench`.",
+            placed,
+            of_first_order,
+            overdamped,
+            slow_motion,
+        ),
+    ]
+
+
+def _body_motion() -> Module:
+    arguments = (
+        Argument("velocity", sy.TWIST, (6,)),
+        Argument("inertia", sy.BODY_INERTIA, (6, 6)),
+    )
+    steady = bm.kirchhoff(bm.V, bm.M)
+    return Module(
+        "body_motion",
+        "Inertial forces and moments of a body of any shape (Kirchhoff).",
+        "Of the symmetric matrix of inertia the upper triangle is read.",
+        (),
+        (),
+        (
+            Function(
+                "kirchhoff",
+                "N(V) = (omega x p, omega x l + u x p) with (p, l) = M V, body frame.",
+                arguments,
+                steady,
+            ),
+            Function(
+                "kirchhoff_gradient",
+                "dN/dV: out[i, j] = dN_i/dV_j.",
+                arguments,
+                steady.jacobian(bm.V),
+            ),
+        ),
+        ("body_motion.py",),
+    )
 
 
 def _kinematics() -> Module:
@@ -955,6 +1083,8 @@ def catalogue() -> tuple[Module, ...]:
         *_inertial_models(scaling=True),
         *_overdamped_models(),
         *_first_order_models(),
+        *_body_models(),
+        _body_motion(),
         _kinematics(),
         _langevin(),
         _hydrodynamics(),

@@ -68,11 +68,13 @@ MOMENT = _vector("M1 M2 M3", "N m", "moment of the light about the bead's centre
 FORCE_GRADIENT = tuple(_quantity(f"DF{ij}", "N/m", f"dF{ij[0]}/dq{ij[1]}", "3.26") for ij in PAIRS)
 MOMENT_GRADIENT = tuple(_quantity(f"DM{ij}", "N", f"dM{ij[0]}/dq{ij[1]}", "3.26") for ij in PAIRS)
 FORCE_RATE = _vector(
-    "Fdot1 Fdot2 Fdot3", "N/s", "rate of the light's force along (F + W)/beta_v,", "-", INERTIAL
-)
+    "Fdot1 Fdot2 Fdot3", "N/s", "rate of the light's force along the overdamped motion,", "-",
+    INERTIAL,
+)  # fmt: skip
 MOMENT_RATE = _vector(
-    "Mdot1 Mdot2 Mdot3", "N m/s", "rate of the light's moment along (F + W)/beta_v,", "-", INERTIAL
-)
+    "Mdot1 Mdot2 Mdot3", "N m/s", "rate of the light's moment along the overdamped motion,", "-",
+    INERTIAL,
+)  # fmt: skip
 FORCE_CURVATURE = tuple(
     _quantity(
         f"HF{ij}", "N/(m s)", f"rate of dF{ij[0]}/dq{ij[1]} along the velocity (F + W)/beta_v", "-"
@@ -117,6 +119,37 @@ WEIGHT = _vector(
 )
 TIME = _quantity("t", "s", "time since release", "4.8")
 VISCOSITY = _quantity("mu_m", "Pa s", "viscosity of the medium", "2.13", positive=True)
+
+# --- a body of any shape -------------------------------------------------------------------------
+TWIST = (
+    *_vector("u1 u2 u3", "m/s", "velocity of the centre of mass, body frame,", "-", BODY),
+    *ANGULAR_VELOCITY,
+)
+
+
+def _six_by_six(name: str, meaning: str, units: Sequence[str]) -> tuple[Quantity, ...]:
+    """Return the entries of a 6x6 matrix row by row, the blocks of translation first.
+
+    units: of the block of translation, of those that couple, and of the block of rotation.
+    """
+    axes = (*BODY, *(each.replace("along", "about") for each in BODY))
+    return tuple(
+        _quantity(f"{name}{i + 1}{j + 1}", units[i // 3 + j // 3], f"{meaning} {row}, {column}")
+        for i, row in enumerate(axes)
+        for j, column in enumerate(axes)
+    )
+
+
+BODY_INERTIA = _six_by_six("M", "inertia", ("kg", "kg m", "kg m^2"))
+BODY_INVERSE_INERTIA = _six_by_six("H", "inverse inertia", ("1/kg", "1/(kg m)", "1/(kg m^2)"))
+BODY_DRAG = _six_by_six("R", "drag", ("kg/s", "N s", "N m s"))
+BODY_MOBILITY = _six_by_six("B", "mobility", ("s/kg", "1/(N s)", "1/(N m s)"))
+
+
+def upper(entries: Sequence[Quantity]) -> tuple[Quantity, ...]:
+    """Return the upper triangle of a 6x6 matrix row by row."""
+    return tuple(entries[6 * i + j] for i in range(6) for j in range(i, 6))
+
 
 # --- a step with drag and noise ------------------------------------------------------------------
 STEP = _quantity("h", "s", "step", "-", positive=True)
