@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from tweezer.compiled import named_njit
+from tweezer.compiled.stack import on_stack
 
 #: Angle below which functions of an angle are computed by their series, rad
 _SMALL = 0.02
@@ -88,7 +89,7 @@ def moved(position, e, xi, out_position, out_e):  # type: ignore[no-untyped-def]
         b = (size - math.sin(size)) / (squared * size)
     # rho + a theta x rho + b theta x (theta x rho)
     c1, c2, c3 = w2 * r3 - w3 * r2, w3 * r1 - w1 * r3, w1 * r2 - w2 * r1
-    way = np.empty(3)
+    way = on_stack(3, np.float64)
     way[0] = r1 + a * c1 + b * (w2 * c3 - w3 * c2)
     way[1] = r2 + a * c2 + b * (w3 * c1 - w1 * c3)
     way[2] = r3 + a * c3 + b * (w1 * c2 - w2 * c1)

@@ -6,7 +6,7 @@ Beads are processed side by side in batches, and the force is evaluated on a who
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import typeof, types
@@ -88,7 +88,9 @@ class Beads(NamedTuple):
     now: Array
     """(1,) time at the beginning of the step, s"""
     pose: Pose
-    """time, position and orientation of n beads, as the force reads them"""
+    """time, position and orientation of n beads, as the force reads them; spheres share the
+    orientation with `e`
+    """
     wrench: Wrench
     """force and torque on n beads; as `pose`, in memory that has room for w"""
     resisted: Mobility
@@ -103,6 +105,7 @@ def beads(
     uniform: bool,
     hidden: int = 0,
     draws: int = 0,
+    body: bool = False,
 ) -> Beads:
     """Return arrays of zeros for a batch of beads.
 
@@ -122,6 +125,8 @@ def beads(
         Number of hidden variables of the hydrodynamic memory along an axis.
     draws : int
         Number of normal random numbers per bead and step.
+    body : bool
+        Whether the force is read at other orientations than those at the beginning of a step.
     """
     gradients = n if gradient else 0
     places = 0 if uniform else n
@@ -132,7 +137,7 @@ def beads(
         np.zeros((dims, width)), np.zeros((dims, width)), np.zeros((dims, width)),
         np.zeros((dims, width)), np.zeros((max(2 * dims if inertial else dims, draws), width)),
         np.zeros(1),
-        Pose(np.zeros(n), np.zeros((width, 3))[:n], e),
+        Pose(np.zeros(n), np.zeros((width, 3))[:n], e.copy() if body else e),
         Wrench(
             np.zeros((width, 3))[:n], np.zeros((width, 3))[:n], np.zeros((gradients, 3, 3)),
             np.zeros((gradients, 3, 3)), np.zeros(n),
@@ -287,6 +292,10 @@ class Scheme(NamedTuple):
     data: Callable[[Walls, float], Data] | None = None
     """for a scheme beside walls, a function of the walls and kT, J, which returns the data that its
     step reads in place of a drag
+    """
+    body: Callable[[Any, float, float], Data] | None = None
+    """for a scheme of rigid bodies that also rotates them, a function of the body, kT, J, and the
+    step, s, which returns the data that its step reads in place of a drag
     """
 
     @property

@@ -66,20 +66,23 @@ class Steps(NamedTuple):
     force_first: int
     """whether the slow velocity is computed before the first step, see `Scheme`"""
     turn: int
-    """address of the function that rotates the beads after a step, 0 without rotation"""
+    """address of the function that rotates the beads after a step; 0 without rotation, or if the
+    step rotates them
+    """
 
 
 def steps(scheme: Scheme, layout: Layout) -> Steps:
     """Return the parameters of the loop for a scheme and states of a layout."""
     inertial = "velocity" in layout
     dims = _dimensions(layout)
-    diffuses = not inertial and not scheme.beside_wall and dims == 6
+    spheres = dims == 6 and scheme.body is None
+    diffuses = not inertial and not scheme.beside_wall and spheres
     draws = 3 if diffuses else dims
     if inertial and scheme.noise_of_position:
         draws *= 2
     draws += scheme.beside_wall
     turn = 0
-    if dims == 6:
+    if spheres:
         turn = address(rotation.turn_and_diffuse if diffuses else rotation.turn_by_steps, TURNS)
     return Steps(
         address(scheme.step, STEP), draws, layout.blocks.get("memory", 0) // 3,
@@ -131,11 +134,12 @@ def advance(
     follow = loop()
     inertial, dims, lost = "velocity" in layout, _dimensions(layout), layout.first("lost_time")
     gradient, uniform = bool(steps.gradient), plan.uniform
+    body = dims == 6 and steps.turn == 0
     for begin in range(0, len(states), _BATCH):
         part = slice(begin, begin + _BATCH)
         here = states[part]
         n = len(here)
-        beads = batch.beads(n, dims, inertial, gradient, uniform, steps.memory, steps.draws)
+        beads = batch.beads(n, dims, inertial, gradient, uniform, steps.memory, steps.draws, body)
         who = np.zeros(beads.x.shape[1], np.int64)
         who[:n] = trajectories[part]
         held = _held(layout, beads, n)
@@ -215,12 +219,14 @@ def loop() -> Any:
                     watched = not crossing.all_far(edge, x, n)
             if steps.memory > 0:
                 memory.velocities(weights, beads)
-            place = beads.ahead if steps.samples_ahead else x
+            place, turned = x, beads.e
+            if steps.samples_ahead:
+                place, turned = beads.ahead, beads.pose.orientation
             for i in range(n):
                 if lost_at[i] < np.inf:
                     out[i, number] = np.nan
                 else:
-                    _save(steps, beads, place, i, out[i, number])
+                    _save(steps, beads, place, turned, i, out[i, number])
         return _ALL
 
     signature = types.int64(
@@ -231,8 +237,11 @@ def loop() -> Any:
 
 
 @named_njit(inner=True, error_model="numpy")
-def _save(steps, beads, place, i, out):  # type: ignore[no-untyped-def]
-    """Store the state of bead i in a sample `out`; place (dims, w) has the positions to store."""
+def _save(steps, beads, place, turned, i, out):  # type: ignore[no-untyped-def]
+    """Store the state of bead i in a sample `out`.
+
+    `place` (dims, w) has the positions to store, and `turned` (n, 4) the orientations.
+    """
     for k in range(3):
         out[k] = place[k, i]
     if steps.velocity >= 0:
@@ -240,7 +249,7 @@ def _save(steps, beads, place, i, out):  # type: ignore[no-untyped-def]
             out[steps.velocity + k] = beads.v[k, i]
     if steps.orientation >= 0:
         for k in range(4):
-            out[steps.orientation + k] = beads.e[i, k]
+            out[steps.orientation + k] = turned[i, k]
     if steps.angular_velocity >= 0:
         for k in range(3):
             out[steps.angular_velocity + k] = beads.v[3 + k, i]
