@@ -12,14 +12,23 @@ moves: N = (w x p, w x l + u x p). The last term vanishes if M is that of the bo
 added mass of the fluid it does not (Kirchhoff).
 
 The small parameter epsilon multiplies M, as in `derivation.multiscale`.
+
+Thermal motion without inertia has the generator D_ab X_a X_b with D = kT B and the six fields X_a
+of steady twists. Two results about it are used at run time without being emitted: the constant
+mobility in the body frame requires no drift (`divergence` is 0), and `free_step_correction`.
 """
 
 from __future__ import annotations
 
+import functools
+import itertools
+from collections import Counter
+from collections.abc import Mapping
+
 import sympy as sp
 
 from .equations import Equation
-from .euler_parameters import R, omega
+from .euler_parameters import L, R, e, omega
 from .multiscale import T0, T1, Fdot, Mdot, epsilon, time_derivative
 from .rigid_body import F_others, M_others, v
 from .symbols import (
@@ -29,6 +38,7 @@ from .symbols import (
     BODY_MOBILITY,
     FORCE,
     MOMENT,
+    POSITION,
     TWIST,
     Quantity,
     vector,
@@ -138,6 +148,87 @@ equivalent_wrench = (vector(FORCE) + R * inertial_wrench[:3, :]).col_join(
 #: layer M V' = W - R V with a constant W: the integral of V - V_0 is B M (V(0) - V_0)
 matched_displacement = B * (M * (twist - slow_twist))
 
+
+# --- thermal motion ------------------------------------------------------------------------------
+#: coordinates of a pose
+pose = vector(POSITION).col_join(e)
+#: rates of the coordinates by a unit of each component of the twist: the fields X_a, as columns
+FIELDS = sp.diag(R, L.T / 4)
+
+
+def ito_drift(mobility: sp.MatrixBase) -> sp.Matrix:
+    """Return the drift of the coordinates over kT, in Ito's sense, without a wrench.
+
+    B_ab X_a X_b differentiates the coordinates twice and, with this drift, once.
+    """
+    drift = sp.zeros(7, 1)
+    for b in range(6):
+        drift += FIELDS[:, b].jacobian(pose) * (FIELDS * mobility[:, b])
+    return drift
+
+
+def divergence(field: sp.MatrixBase) -> sp.Expr:
+    """Return the divergence of a field of the coordinates that does not change |e|."""
+    return field.jacobian(pose).trace()
+
+
+def bracket(a: int, b: int) -> Mapping[int, int]:
+    """Return [X_a, X_b] = f_abc X_c as {c: f_abc}; components 0-2 translate, 3-5 rotate."""
+    translations = (a < 3) + (b < 3)
+    if translations == 2:
+        return {}
+    factors = {c: int(sp.LeviCivita(a % 3, b % 3, c)) for c in range(3)}
+    return {c + 3 * (translations == 0): factor for c, factor in factors.items() if factor}
+
+
+@functools.cache
+def ordered(word: tuple[int, ...]) -> Mapping[tuple[int, ...], int]:
+    """Return the product X_a X_b ... of a word (a, b, ...) as a sum of ascending words."""
+    for at, (a, b) in enumerate(itertools.pairwise(word)):
+        if a > b:
+            before, after = word[:at], word[at + 2 :]
+            total = Counter(ordered((*before, b, a, *after)))
+            for c, factor in bracket(a, b).items():
+                for each, times in ordered((*before, c, *after)).items():
+                    total[each] += factor * times
+            return total
+    return {word: 1}
+
+
+def step_difference(mobility: sp.MatrixBase) -> Mapping[tuple[int, ...], sp.Expr]:
+    """Return the terms of order (kT h)^2 by which a Gaussian step differs from free motion.
+
+    The step g exp(xi) with the covariance 2 kT B h of xi has the terms of fourth order
+    <(xi X)^4>/24, and free motion has (B_ab X_a X_b)^2/2. The result is their difference, by
+    ascending words.
+    """
+    terms: dict[tuple[int, ...], list[sp.Expr]] = {}
+    D = mobility
+    for a, b, c, d in itertools.product(range(6), repeat=4):
+        weight = (D[a, c] * D[b, d] + D[a, d] * D[b, c] - 2 * D[a, b] * D[c, d]) / 6
+        if weight:
+            for word, factor in ordered((a, b, c, d)).items():
+                terms.setdefault(word, []).append(factor * weight)
+    return {word: sp.expand(sp.Add(*each)) for word, each in terms.items()}
+
+
+def free_step_correction(mobility: sp.MatrixBase) -> sp.Matrix:
+    """Return C: the step xi of covariance 2 kT (B h + kT C h^2) is of weak order 2."""
+    difference = step_difference(mobility)
+
+    def entry(i: int, j: int) -> sp.Expr:
+        pair = (min(i, j), max(i, j))
+        return -difference.get(pair, sp.Integer(0)) / (1 if i == j else 2)
+
+    return sp.Matrix(6, 6, entry)
+
+
 MOMENTUM_RATE = Equation(
     "-", "inertial forces and moments of a steady twist", "N(V)", kirchhoff(V, M)
+)
+FIRST_ORDER_WRENCH = Equation(
+    "-", "inertial forces and moments of the slow motion", "-(M B W' + N(V_0))", inertial_wrench
+)
+MATCHED_DISPLACEMENT = Equation(
+    "-", "displacement to the matched start", "B M (V - V_0)", matched_displacement
 )
