@@ -147,6 +147,17 @@ BAD = {
         spheres(sphere(0), sphere("3e-7", radius="")),
         "bead.spheres.1.radius or diameter: one is required",
     ),
+    "sphere without a density": (
+        spheres(sphere(0, more="density = 1050"), sphere("3e-7"), **{"bead.density": ABSENT}),
+        "bead.density: missing",
+    ),
+    "sphere of negative density": (
+        spheres(sphere(0, more="density = -1")), "bead.spheres.0.density = -1: must be from 1e-06"
+    ),
+    "sphere of a wrong density, cluster of none": (
+        spheres(sphere(0, more='density = "heavy"'), **{"bead.density": ABSENT}),
+        "bead.spheres.0.density = 'heavy': must be a number",
+    ),
     "sphere without an index": (
         spheres(sphere(0, index="")), "bead.spheres.0.refractive_index: missing"
     ),
@@ -359,6 +370,8 @@ def test_spheroid_has_the_moments_of_its_points(across, along):
     assert 3.0 * body.volume == pytest.approx(mass, rel=1e-13)
     assert np.abs(centre).max() < 1e-15
     assert np.diag(body.moments_of_inertia) == pytest.approx(tensor, abs=1e-13 * tensor.max())
+    assert np.array(body.inertia) == pytest.approx(tensor, abs=1e-13 * tensor.max())
+    assert body.centre_of_volume == (0, 0, 0)
     assert body.size == max(axes)
 
 
@@ -380,17 +393,19 @@ def test_spheroid_touches_a_plane_with_its_lowest_point(normal):
 
 def test_cluster_has_the_moments_of_its_points():
     centres = np.array([[0.1, 0.2, -0.3], [-0.2, 0.3, 0.1], [0.3, -0.1, 0.3]])
-    radii = np.array([0.15, 0.2, 0.1])
-    volumes = radii**3
-    centres -= volumes @ centres / volumes.sum()
+    radii, densities = np.array([0.15, 0.2, 0.1]), np.array([2.0, 1.0, 19.0])
+    masses, volumes = densities * radii**3, radii**3
+    centres -= masses @ centres / masses.sum()
     points, weights = inside_unit_ball()
     every = np.concatenate([c + r * points for c, r in zip(centres, radii, strict=True)])
-    of_each = np.concatenate([2.0 * r**3 * weights for r in radii])
+    of_each = np.concatenate([mass * weights for mass in masses])
     mass, centre, tensor = moments(every, of_each)
-    body = Cluster([tuple(each) for each in centres], list(radii), 2.0)
+    body = Cluster([tuple(each) for each in centres], list(radii), list(densities))
     assert body.mass == pytest.approx(mass, rel=1e-13)
     assert np.abs(centre).max() < 1e-15
+    assert np.array(body.inertia) == pytest.approx(tensor, abs=1e-13 * tensor.max())
     assert body.moments_of_inertia == pytest.approx(np.linalg.eigvalsh(tensor), rel=1e-12)
+    assert body.centre_of_volume == pytest.approx(volumes @ centres / volumes.sum())
     assert body.size == pytest.approx((np.linalg.norm(centres, axis=1) + radii).max())
     for normal in (1.0, -1.0):
         for turn in TURNED:
@@ -399,9 +414,54 @@ def test_cluster_has_the_moments_of_its_points():
             assert body.support(normal, orientation) == pytest.approx(lowest, rel=1e-14)
 
 
+def pair(*listed, **bead):
+    """A cluster in water, of spheres at heights."""
+    listed = [{"diameter": 4e-7, "position": [1e-6, 0, z], **own} for z, own in listed]
+    own = {"shape": "spheres", "radius": None, "refractive_index": None, "material": None}
+    return tweezer.load_scene("silica-1um").replace(
+        bead={**own, "density": None, "spheres": listed, **bead}, optics={"theory": "waves"}
+    )
+
+
+SILICA, POLYSTYRENE = {"material": "silica"}, {"material": "polystyrene"}
+
+
+def test_cluster_of_two_materials_is_about_its_centre_of_mass():
+    scene = pair((0.0, SILICA), (4e-7, POLYSTYRENE))
+    bead = scene.bead
+    heavy, light = (each.density for each in bead.spheres)
+    assert heavy > 1.5 * light > 1500
+    assert bead.density == pytest.approx((heavy + light) / 2)
+    assert "density" in bead.filled
+    lower = -4e-7 * light / (heavy + light)
+    assert bead.centres == pytest.approx(np.array([[0, 0, lower], [0, 0, lower + 4e-7]]))
+    assert bead.body.centre_of_volume == pytest.approx([0, 0, lower + 2e-7])
+    assert bead.radius == bead.body.size == pytest.approx(lower + 6e-7)
+    written = scene.model_dump()
+    assert not any("density" in each for each in (written["bead"], *written["bead"]["spheres"]))
+    assert tweezer.load_scene(written) == scene
+
+
+@pytest.mark.parametrize(
+    ("own", "bead", "expected"),
+    [
+        (({}, {}), {"material": "silica"}, (1, 1)),
+        (({}, POLYSTYRENE), {"material": "silica"}, (1, 0)),
+        ((SILICA, POLYSTYRENE), {"density": 1200.0}, (1200, 1200)),
+        (({**SILICA, "density": 3000.0}, POLYSTYRENE), {"density": 1200.0}, (3000, 1200)),
+        (({**SILICA, "density": 3000.0}, POLYSTYRENE), {}, (3000, 0)),
+    ],
+)
+def test_density_of_a_sphere_is_its_own_or_that_of_the_bead_or_of_its_material(own, bead, expected):
+    named = [pair((0.0, each)).bead.density for each in (POLYSTYRENE, SILICA)]
+    spheres = pair((0.0, own[0]), (4e-7, own[1]), **bead).bead
+    found = [spheres.density if each.density is None else each.density for each in spheres.spheres]
+    assert found == [named[each] if each < 2 else each for each in expected]
+
+
 def test_several_orientations_have_several_supports():
     orientations = np.array([each.as_quat(scalar_first=True) for each in TURNED])
-    for body in (Spheroid(0.2, 0.5, 1.0), Cluster([(0, 0, -1), (0, 0, 1)], [1, 1], 1.0)):
+    for body in (Spheroid(0.2, 0.5, 1.0), Cluster([(0, 0, -1), (0, 0, 1)], [1, 1], [1, 1])):
         found = body.support(1.0, orientations)
         assert found.shape == (3,)
         assert found == pytest.approx([body.support(1.0, each) for each in orientations])

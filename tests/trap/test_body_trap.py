@@ -129,6 +129,40 @@ def test_weight_lowers_the_equilibrium():
     assert drop == pytest.approx(force / np.array(held.stiffness)[2, 2], rel=1e-2)
 
 
+def test_buoyancy_turns_a_cluster_of_two_densities():
+    """Torque and stiffness about the centre of mass are the light's and the buoyancy's."""
+    densities, centre = (19e3, 1e3), np.array([0.25e-6 * 18 / 20, 0, 0])
+    spheres = [
+        {**each, "position": [x * UM, 0, 0], "density": density}
+        for each, x, density in zip(PAIR["spheres"], (-0.25, 0.25), densities, strict=True)
+    ]
+    scene = scene_of(
+        {**PAIR, "spheres": spheres},
+        forces={"gravity": True, "buoyancy": True, "gravitational_acceleration": 9.81},
+        beam={"polarisation": "linear", "power_through_pupil": 2e-4},
+    )
+    lift = np.array([0, 0, scene.medium.density * 9.81 * np.pi / 3 * (0.5 * UM) ** 3])
+
+    def torque(position, turned):
+        buoyant = np.cross(turned.apply(centre), lift)
+        orientation = turned.as_quat(scalar_first=True)
+        return tweezer.optical_torque(scene, position, orientation) + buoyant
+
+    trap = tweezer.characterise(scene)
+    assert trap.equilibria
+    for each in trap.equilibria:
+        turned = Rotation.from_quat(each.orientation, scalar_first=True)
+        scale = np.linalg.norm(lift) * centre[0]
+        assert np.abs(torque(each.position, turned)).max() < 1e-6 * scale
+        by_differences = [
+            (torque(each.position, Rotation.from_rotvec(-1e-4 * axis) * turned)
+             - torque(each.position, Rotation.from_rotvec(1e-4 * axis) * turned)) / 2e-4
+            for axis in np.eye(3)
+        ]  # fmt: skip
+        found = np.array(each.stiffness)[3:, 3:]
+        assert found == pytest.approx(np.array(by_differences).T, abs=1e-5 * scale)
+
+
 def test_power_scales_the_stiffness_alone():
     scene = scene_of(TRAPS["thin silica rod"][0])
     one = trap_of("thin silica rod")

@@ -94,12 +94,8 @@ def _refuse_names_of_indices(data: Mapping[str, Any]) -> None:
 def _of_materials(data: Mapping[str, Any], bead: Mapping[str, Any]) -> dict[str, Any]:
     """Return the data of a bead with the indices and the density of its materials."""
     layers = bead.get("layers")
-    if isinstance(spheres := bead.get("spheres"), list | tuple):
-        bead = {**bead, "spheres": [
-            _with_material(data, {"material": bead.get("material"), **each},
-                           f"bead.spheres.{i}", None) if isinstance(each, dict) else each
-            for i, each in enumerate(spheres)
-        ]}  # fmt: skip
+    if isinstance(bead.get("spheres"), list | tuple):
+        bead = _spheres_of_materials(data, bead)
     if bead.get("shape") in _WITHOUT_INDEX:
         material = materials().get(str(bead.get("material")))
         if material is None or bead.get("density") is not None:
@@ -114,6 +110,48 @@ def _of_materials(data: Mapping[str, Any], bead: Mapping[str, Any]) -> dict[str,
     filled = {"density": density, FILLED: ["density"]} if density else {}
     within = [_with_material(data, each, f"bead.layers.{i}", None) for i, each in enumerate(layers)]
     return {**bead, **filled, "layers": within}
+
+
+def _spheres_of_materials(data: Mapping[str, Any], bead: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the data of a cluster with the indices and densities of its spheres' materials.
+
+    The density of a sphere follows from its material unless the bead has a density. The bead's
+    density is the mean, if no key gives it and every sphere has its own.
+    """
+    found = []
+    for i, each in enumerate(bead["spheres"]):
+        if not isinstance(each, dict):
+            return dict(bead)
+        material = each.get("material") or bead.get("material")
+        of = None if bead.get("density") is not None else materials().get(str(material))
+        found.append(_with_material(data, {"material": bead.get("material"), **each},
+                                    f"bead.spheres.{i}", of.density if of else None))  # fmt: skip
+    filled = {}
+    if bead.get("density") is None and bead.get("material") is None:
+        density = _mean_of_spheres(found)
+        filled = {"density": density, FILLED: ["density"]} if density else {}
+    return {**bead, **filled, "spheres": found}
+
+
+def _mean_of_spheres(spheres: Sequence[Mapping[str, Any]]) -> float | None:
+    """Return the mean density of spheres that all have one, kg/m^3; otherwise None.
+
+    Invalid spheres give a placeholder, because the check of the keys reports the error later.
+    """
+    if any(each.get("density") is None for each in spheres):
+        return None
+    try:
+        cubes = [_radius(each) ** 3 for each in spheres]
+        given = [to_si(each["density"], "kg/m^3") for each in spheres]
+    except (KeyError, ValueError):
+        return 1000.0
+    mass = sum(cube * density for cube, density in zip(cubes, given, strict=True))
+    return mass / sum(cubes) if sum(cubes) > 0 else 1000.0
+
+
+def _radius(part: Mapping[str, Any]) -> float:
+    """Return the radius of a layer or sphere in the data of a scene, m."""
+    return to_si(part["radius"], "m") if "radius" in part else to_si(part["diameter"], "m") / 2
 
 
 def _with_material(
@@ -160,10 +198,7 @@ def _mean_density(layers: Sequence[Mapping[str, Any]]) -> float | None:
     if not all(made_of):
         return None
     try:
-        radii = [
-            to_si(each["radius"], "m") if "radius" in each else to_si(each["diameter"], "m") / 2
-            for each in layers
-        ]
+        radii = [_radius(each) for each in layers]
     except (KeyError, ValueError):
         return 1000.0  # the check of the layers reports the error
     cubes = [0.0, *(radius**3 for radius in radii)]

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tweezer.scene.body import Body
+from tweezer.scene.body import Body, Tensor
 
 
 def _axis(orientation: Any, normal: float, i: int) -> Any:
@@ -17,6 +17,12 @@ def _axis(orientation: Any, normal: float, i: int) -> Any:
     w, x, y, z = np.moveaxis(np.asarray(orientation, float), -1, 0)
     rows = (2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z)
     return normal * rows[i] / (w * w + x * x + y * y + z * z)
+
+
+def _vector(values: Any) -> tuple[float, float, float]:
+    """Return three numbers as a tuple."""
+    x, y, z = map(float, values)
+    return x, y, z
 
 
 class _Turned(Body):
@@ -58,7 +64,7 @@ class Spheroid(_Turned):
 
 
 class Cluster(_Turned):
-    """A rigid cluster of spheres of one density, about its centre of mass.
+    """A rigid cluster of homogeneous spheres, about its centre of mass.
 
     Parameters
     ----------
@@ -66,28 +72,32 @@ class Cluster(_Turned):
         Centres of the spheres from the centre of mass, m.
     radii : sequence of float
         Radii, m.
-    density : float
-        Density, kg/m^3.
+    densities : sequence of float
+        Density of each sphere, kg/m^3.
     """
 
     def __init__(
         self,
         centres: Sequence[tuple[float, float, float]],
         radii: Sequence[float],
-        density: float,
+        densities: Sequence[float],
     ):
         at, r = np.array(centres, float), np.array(radii, float)
         volumes = 4 / 3 * math.pi * r**3
+        masses = volumes * np.array(densities, float)
         self.size = float((np.linalg.norm(at, axis=1) + r).max())
-        self.volume = float(volumes.sum())
-        self.mass = density * self.volume
-        masses = density * volumes
+        self.volume, self.mass = float(volumes.sum()), float(masses.sum())
+        self.centre_of_volume = _vector(volumes @ at / self.volume)
         own = 2 / 5 * masses * r**2
         tensor = (own + masses * (at**2).sum(axis=1)).sum() * np.eye(3)
-        tensor -= np.einsum("k,ki,kj->ij", masses, at, at)
-        a, b, c = np.linalg.eigvalsh(tensor)
-        self.moments_of_inertia = (float(a), float(b), float(c))
+        self._inertia = tensor - np.einsum("k,ki,kj->ij", masses, at, at)
+        self.moments_of_inertia = _vector(np.linalg.eigvalsh(self._inertia))
         self._at, self._radii = at, r
+
+    @property
+    def inertia(self) -> Tensor:
+        """Inertia tensor about the centre of mass in the body's frame, (3, 3) kg m^2."""
+        return tuple(_vector(row) for row in self._inertia)
 
     def support(self, normal: float = 1.0, orientation: Any = None) -> Any:
         """Return the distance of the centre from a plane that the body touches; see `Body`."""

@@ -224,8 +224,8 @@ def body_trap(scene: Scene) -> BodyTrap:
 
     Equilibria are searched from several starts at the focus of each beam, with the axis of the body
     along and across the light and tilted. Each search follows force and torque with damped steps,
-    which end in Newton's method with the exact derivative. Its weight and buoyancy act at the
-    centre of volume.
+    which end in Newton's method with the exact derivative. Its weight acts at the centre of
+    mass, which is its position, and buoyancy at the centre of volume.
 
     An equilibrium is stable if overdamped motion about it decays. The rates are the eigenvalues of
     mobility times stiffness. Where the drag of the body is not known, the eigenvalues of the
@@ -298,8 +298,9 @@ class _Search:
         self._scene, self._mobility = scene, _mobility(scene)
         bead, forces, medium = scene.body, scene.forces, scene.medium
         g = forces.gravitational_acceleration
-        lift = medium.density * bead.volume * g * forces.buoyancy
-        self._weight = np.array([0.0, 0.0, lift - bead.mass * g * forces.gravity])
+        self._lift = np.array([0.0, 0.0, medium.density * bead.volume * g * forces.buoyancy])
+        self._weight = self._lift - [0.0, 0.0, bead.mass * g * forces.gravity]
+        self._centre_of_volume = np.array(bead.centre_of_volume)
         self._wavelength = min(beam.wavelength for beam in scene.beams) / medium.refractive_index
 
     def force_at(self, orientation: Array, points: Array) -> Array:
@@ -312,11 +313,16 @@ class _Search:
     def wrench(self, position: Array, orientation: Array) -> Array:
         """Return force, N, and torque over the length, N, on the body, (6,)."""
         found = self.light.field(position[None], orientations=orientation[None])
-        return np.concatenate([found.force[0] + self._weight, found.moment[0] / self.length])
+        lever = _rotation(orientation).apply(self._centre_of_volume)
+        moment = found.moment[0] + np.cross(lever, self._lift)
+        return np.concatenate([found.force[0] + self._weight, moment / self.length])
 
     def stiffness(self, position: Array, orientation: Array) -> Array:
         """Return the stiffness matrix (6, 6), in N/m, N, N and N m."""
-        return -derivative_of(self.light, position[None], orientation[None], 0.0)[0]
+        found = -derivative_of(self.light, position[None], orientation[None], 0.0)[0]
+        lever = _rotation(orientation).apply(self._centre_of_volume)
+        found[_ANGLE, _ANGLE] += (lever @ self._lift) * np.eye(3) - np.outer(lever, self._lift)
+        return found
 
     def relaxed(self, position: Array, orientation: Array) -> BodyEquilibrium | None:
         """Return the equilibrium that a search from a start finds; None if it finds none.

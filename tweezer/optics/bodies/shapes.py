@@ -32,7 +32,7 @@ _LARGEST_ERROR = 1e-6
 
 
 def t_matrix(scene: SceneLike) -> TMatrix:
-    """Return the T-matrix of the bead of a scene, about its centre of volume.
+    """Return the T-matrix of the bead of a scene, about its centre of mass.
 
     Parameters
     ----------

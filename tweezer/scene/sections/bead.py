@@ -18,9 +18,10 @@ from tweezer.scene.sections.shapes import (
     MaterialName,
     Round,
     ShapeName,
-    centroid,
+    centre_of_mass,
     check_apart,
     check_keys,
+    densities,
     enclosing_radius,
 )
 from tweezer.scene.sphere import Sphere
@@ -80,7 +81,7 @@ class Bead(Round):
     length: PositiveLength | None = Field(None, description="length of a spheroid along its axis")
     spheres: ClusterSpheres | None = Field(
         None,
-        description="spheres of a rigid cluster, whose centre of volume is the bead position",
+        description="spheres of a rigid cluster, whose centre of mass is the bead position",
     )
     file: str | None = Field(
         None, description="file .tmat.h5 with the T-matrix of the body in the standard format"
@@ -88,6 +89,10 @@ class Bead(Round):
     layers: Layers | None = Field(
         None,
         description="concentric layers from the core outwards, for coated or hollow beads",
+    )
+    density: Density = Field(
+        description="mean density of the bead, rho_b (Table B.1); in a cluster, of the spheres "
+        "without their own; not needed with a `material`, or if every layer or sphere has one"
     )
     radius: BeadRadius = Field(
         None,
@@ -99,10 +104,6 @@ class Bead(Round):
         None,
         description="material of the bead; sets the density and the refractive index at the "
         "wavelength of the beam, unless the scene gives them",
-    )
-    density: Density = Field(
-        description="mean density of the bead, rho_b (Table B.1); not needed with a `material`, or "
-        "if every layer has one"
     )
     refractive_index: ComplexIndex | None = Field(
         None,
@@ -141,7 +142,8 @@ class Bead(Round):
         """Return the radius of the outermost layer, or the one that encloses a cluster."""
         spheres = info.data.get("spheres", ())  # missing from the data if they are not valid
         if spheres is not None:
-            return enclosing_radius(spheres) if spheres else BEAD_RADIUS[0]
+            density = info.data.get("density")
+            return enclosing_radius(spheres, density) if spheres and density else BEAD_RADIUS[0]
         layers = info.data.get("layers", ())
         if layers is None:
             return value
@@ -196,8 +198,9 @@ class Bead(Round):
 
         if self.length is not None:
             return Spheroid(self.radius, self.length / 2, self.density)
-        radii = [each.radius for each in self.spheres or ()]
-        return Cluster(self.centres, radii, self.density)
+        spheres = self.spheres or ()
+        radii = [each.radius for each in spheres]
+        return Cluster(self.centres, radii, densities(spheres, self.density))
 
     @property
     def size_in_words(self) -> str:
@@ -213,9 +216,9 @@ class Bead(Round):
 
     @property
     def centres(self) -> list[tuple[float, float, float]]:
-        """Centres of the spheres of a cluster relative to their centre of volume, m."""
+        """Centres of the spheres of a cluster from their centre of mass, m."""
         spheres = self.spheres or ()
-        a, b, c = centroid(spheres)
+        a, b, c = centre_of_mass(spheres, self.density)
         return [(x - a, y - b, z - c) for x, y, z in (each.position for each in spheres)]
 
     @property

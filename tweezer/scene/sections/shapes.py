@@ -12,7 +12,7 @@ from tweezer.scene.choices import SHAPES
 from tweezer.scene.courses import Vector, refusal
 from tweezer.scene.materials import materials
 from tweezer.scene.sections.alternatives import Filled, with_half
-from tweezer.values.units import BEAD_RADIUS, BeadRadius, ComplexIndex, entries
+from tweezer.values.units import BEAD_RADIUS, BeadRadius, ComplexIndex, Density, entries
 
 if TYPE_CHECKING:
     MaterialName: TypeAlias = str
@@ -39,11 +39,14 @@ class ClusterSphere(Round):
 
     radius: BeadRadius = Field(description="radius")
     material: MaterialName | None = Field(
-        None, description="gives the refractive index at the beam's wavelength, as of the bead"
+        None,
+        description="gives the refractive index at the beam's wavelength, as of the bead, and the "
+        "density if the bead has none",
     )
     refractive_index: ComplexIndex = Field(
         description="refractive index, as of the bead; not needed with a `material`"
     )
+    density: Density | None = Field(None, description="density. Default: as of the bead")
     position: Vector = Field(description="centre of the sphere in the body's frame")
 
     @model_validator(mode="before")
@@ -104,21 +107,27 @@ def check_apart(spheres: Sequence[ClusterSphere]) -> None:
                 )
 
 
-def enclosing_radius(spheres: Sequence[ClusterSphere]) -> float:
-    """Return the radius of the sphere about the centroid of a cluster that encloses it, m.
+def enclosing_radius(spheres: Sequence[ClusterSphere], density: float) -> float:
+    """Return the radius of the sphere about the centre of mass that encloses a cluster, m.
 
-    The centroid is the centre of volume of the spheres.
+    `density` is of the spheres that have none of their own.
     """
-    centre = centroid(spheres)
+    centre = centre_of_mass(spheres, density)
     return max(math.dist(each.position, centre) + each.radius for each in spheres)
 
 
-def centroid(spheres: Sequence[ClusterSphere]) -> tuple[float, float, float]:
-    """Return the centre of volume of the spheres of a cluster, m."""
-    cubes = [each.radius**3 for each in spheres]
-    whole = sum(cubes)
+def densities(spheres: Sequence[ClusterSphere], density: float) -> list[float]:
+    """Return the density of each sphere: its own, or `density` if it has none, kg/m^3."""
+    return [density if each.density is None else each.density for each in spheres]
+
+
+def centre_of_mass(spheres: Sequence[ClusterSphere], density: float) -> tuple[float, float, float]:
+    """Return the centre of mass of the spheres of a cluster, m; see `enclosing_radius`."""
+    each_has = zip(densities(spheres, density), spheres, strict=True)
+    masses = [rho / density * each.radius**3 for rho, each in each_has]
+    whole = sum(masses)
     x, y, z = (
-        sum(cube * each.position[i] for cube, each in zip(cubes, spheres, strict=True)) / whole
+        sum(mass * each.position[i] for mass, each in zip(masses, spheres, strict=True)) / whole
         for i in range(3)
     )
     return x, y, z
