@@ -29,6 +29,7 @@ import numpy as np
 from tweezer.compiled import cached_njit, named_njit
 from tweezer.compiled.stack import borrowed, on_stack
 from tweezer.dynamics.brownian.batch import Scheme, exact_without_springs
+from tweezer.dynamics.layout import ROTATION, TRANSLATION
 from tweezer.dynamics.se3 import moved, rotated_back
 from tweezer.forces.data import Data, matrix, packed
 from tweezer.forces.force import add, clear
@@ -44,7 +45,8 @@ def _structure_constants() -> Array:
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         epsilon[i, j, k], epsilon[j, i, k] = 1.0, -1.0
     f = np.zeros((6, 6, 6))
-    f[3:, 3:, 3:] = f[3:, :3, :3] = f[:3, 3:, :3] = epsilon
+    f[ROTATION, ROTATION, ROTATION] = epsilon
+    f[ROTATION, TRANSLATION, TRANSLATION] = f[TRANSLATION, ROTATION, TRANSLATION] = epsilon
     return f
 
 
@@ -124,10 +126,12 @@ def wrench_in_body(plan, beads, i, out):  # type: ignore[no-untyped-def]
     lab = on_stack(3, np.float64)
     for k in range(3):
         lab[k] = wrench.force[i, k] + plan.load[k]
-    rotated_back(e, lab, out[:3])
+    rotated_back(e, lab, out)
     for k in range(3):
         lab[k] = wrench.moment[i, k]
-    rotated_back(e, lab, out[3:])
+    rotated_back(e, lab, lab)
+    for k in range(3):
+        out[3 + k] = lab[k]
 
 
 @named_njit(inner=True, error_model="numpy")

@@ -75,10 +75,12 @@ def _modes_of(beads, inverse, i, V, z):  # type: ignore[no-untyped-def]
     lab, e = on_stack(3, np.float64), beads.e[i]
     for k in range(3):
         lab[k] = beads.v[k, i]
-    rotated_back(e, lab, V[:3])
+    rotated_back(e, lab, V)
     for k in range(3):
         lab[k] = beads.v[3 + k, i]
-    rotated_back(e, lab, V[3:])
+    rotated_back(e, lab, lab)
+    for k in range(3):
+        V[3 + k] = lab[k]
     times(inverse, V, z)
 
 
@@ -90,10 +92,11 @@ def _keep_velocity(beads, P, i, z, V):  # type: ignore[no-untyped-def]
     """
     lab, e = on_stack(3, np.float64), beads.e[i]
     times(P, z, V)
-    rotated(e, V[:3], lab)
+    rotated(e, V, lab)
     for k in range(3):
         beads.v[k, i] = lab[k]
-    rotated(e, V[3:], lab)
+        lab[k] = V[3 + k]
+    rotated(e, lab, lab)
     for k in range(3):
         beads.v[3 + k, i] = lab[k]
 
