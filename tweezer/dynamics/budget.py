@@ -93,7 +93,8 @@ def model_error(equations: EquationsOfMotion, run: Integration, position: Array)
     the same equations has no model error; beside a wall it is the delay by the wall's drag. For a
     body that this method cannot integrate the error is NaN. With the model `full` it is then the
     largest lag due to fluid inertia (`Scene.lag`). If the drag depends on the position, as beside a
-    wall, the error is the sum of this lag and the distance to the unscaled equations.
+    wall, the error is the sum of this lag and the distance to the unscaled equations. For a body
+    that is no sphere it is this sum too, with the first reflection of a wall.
 
     `position` (n, 3), m, contains the output of the run. The error is NaN for an interrupted run.
     It is NaN for a continued run too, unless the run uses these equations without a wall.
@@ -109,10 +110,10 @@ def model_error(equations: EquationsOfMotion, run: Integration, position: Array)
     if full and equations.remembers:
         return _without_wall(equations, run)
     without_scaling = unscaled(equations.problem)
-    if equations.drag.uniform and without_scaling is not None:
+    if equations.drag.uniform and equations.body is None and without_scaling is not None:
         return _compared(without_scaling, run, position)[1]
     off = 0.0 if full else _compared(without_scaling, run, position)[1]
-    return off + _lag(equations, run)
+    return off + _lag(equations, run) + _slowed_by_walls(equations, run)
 
 
 def _of_integration(
@@ -197,13 +198,33 @@ def _lag(equations: EquationsOfMotion, run: Integration) -> float:
 
     Beside a wall vorticity diffuses only as far as the wall, which bounds the time.
     """
-    motion, bead = equations.motion(run.times, run.states), equations.bead
+    motion, vorticity = equations.motion(run.times, run.states), equations.problem.vorticity_time
     times = run.times
     if equations.scene.wall is not None:
         height = equations.scene.gap(motion.position[:, 2]) / equations.scene.body.size + 1
-        times = np.minimum(times, height**2 * bead.vorticity_time)
-    lags = 2 * np.sqrt(bead.vorticity_time * times / math.pi)
+        times = np.minimum(times, height**2 * vorticity)
+    lags = 2 * np.sqrt(vorticity * times / math.pi)
     return float((lags * np.linalg.norm(np.asarray(motion.velocity), axis=1)).max())
+
+
+def _slowed_by_walls(equations: EquationsOfMotion, run: Integration) -> float:
+    """Return how much less a body that is no sphere would have moved with the drag of walls, m.
+
+    Its drag far from walls is used. The first reflection slows the motion across a wall at the
+    distance h by 9 a/8 h, where 6 pi mu a is the largest drag coefficient (H. Brenner, J. Fluid
+    Mech. 12, 35 (1962)). 0 for a sphere.
+    """
+    scene, body = equations.scene, equations.body
+    if scene.wall is None or body is None:
+        return 0.0
+    motion = equations.motion(run.times, run.states)
+    z = motion.position[:, 2]
+    share = sum(
+        9 / 8 * body.radius(scene.medium.viscosity) / np.abs(z - position)
+        for position, _ in scene.wall.planes
+    )
+    slower = share * np.linalg.norm(np.asarray(motion.velocity), axis=1)
+    return float(np.trapezoid(slower, run.times))
 
 
 def _compiled(equations: EquationsOfMotion) -> Problem | None:
@@ -222,7 +243,7 @@ def unscaled(problem: Problem) -> Problem | None:
     )  # fmt: skip
     if not full.takes_drag_exactly:
         return None
-    if not full.drag.uniform:
+    if not full.drag.uniform or full.body is not None:
         return full
     return decided(full.decided(medium={"inertia": "memory"}))[0]
 

@@ -26,6 +26,8 @@ def module_of(scene: Scene, *, rotates: bool) -> ModuleType:
     model = MODELS[scene.simulation.model or "full"]
     if not rotates:
         return module(f"{model.modules}_translation")
+    if scene.bead.shape != "sphere":
+        return module(f"{model.modules}_body")
     body = "rigid_body" if scene.bead.moments_of_inertia else "sphere"
     rates = scene.simulation.rotation_state == "euler-rates" and model.inertia
     return module(f"{model.modules}_{model.rotating or body}{'_euler_rates' if rates else ''}")

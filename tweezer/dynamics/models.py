@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from tweezer.compiled import address, cache_functions
+from tweezer.dynamics.body import BodyMotion
 from tweezer.dynamics.continuing import Begin
 from tweezer.dynamics.emitted import module, takes_drag_exactly
 from tweezer.dynamics.events import Piece
@@ -215,9 +216,16 @@ class EquationsOfMotion(Shown):
         """Relaxation times of the velocities at the start, s: (3,), or (6,) with rotation."""
         bead, mobility = self.bead, self.problem.mobility
         translation = self.problem.effective_mass * mobility[TRANSLATION]
+        if self.body is not None:
+            return self.body.relaxation_times
         if not self.rotates:
             return translation
         return np.append(translation, np.array(bead.moments_of_inertia) * mobility[ROTATION])
+
+    @property
+    def body(self) -> BodyMotion | None:
+        """Drag and inertia of a body that is no sphere; None for a sphere."""
+        return self.problem.body
 
     @property
     def begin_time(self) -> float:
@@ -232,7 +240,7 @@ class EquationsOfMotion(Shown):
     @property
     def takes_drag_exactly(self) -> bool:
         """Whether the exponential method can integrate these equations."""
-        return takes_drag_exactly(self.module, self.force, self.drag)
+        return self.body is not None or takes_drag_exactly(self.module, self.force, self.drag)
 
     @property
     def name(self) -> str:
@@ -574,6 +582,7 @@ def _parameter_values(problem: Problem, scaling_factor: float | None) -> dict[st
     """Return the values of the emitted modules' parameters by name, in SI units."""
     bead, mobility = problem.bead, problem.mobility
     return {
+        **({} if problem.body is None else problem.body.parameters),
         "m": problem.effective_mass,
         "I": bead.moments_of_inertia[0],
         **{f"I{i + 1}": moment for i, moment in enumerate(bead.moments_of_inertia)},

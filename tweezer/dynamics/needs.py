@@ -17,6 +17,7 @@ from typing import Any, NamedTuple, Protocol, Self, TypeVar
 
 import numpy as np
 
+from tweezer.dynamics.body import BodyMotion
 from tweezer.dynamics.brownian.batch import Scheme
 from tweezer.dynamics.layout import TRANSLATION
 from tweezer.fluid import Drag
@@ -41,6 +42,10 @@ class Bound(Protocol):
     @property
     def drag(self) -> Drag:
         """Drag of its bead."""
+
+    @property
+    def body(self) -> BodyMotion | None:
+        """Drag and inertia of a body that is no sphere; None for a sphere."""
 
     @property
     def force(self) -> Force:
@@ -294,6 +299,8 @@ class Forgotten(NamedTuple):
 
 #: For each motion, the first one counts
 MEMORY = (
+    Forgotten((DETERMINISTIC, THERMAL, LINEAR), lambda its: its.problem.body is not None,
+              "it is known for spheres only"),
     Forgotten((DETERMINISTIC, LINEAR), lambda its: its.names_another_model, _WHERE_NAMED),
     Forgotten((DETERMINISTIC, LINEAR), lambda its: its.method is not None and not its.has("memory"),
               "the method {method} cannot follow it"),

@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from tweezer.dynamics.body import BodyMotion, body_motion, properties_of_body
 from tweezer.dynamics.emitted import module_of, takes_drag_exactly
 from tweezer.dynamics.layout import TRANSLATION
 from tweezer.dynamics.linear import LinearMotion
 from tweezer.dynamics.needs import LINEAR, without_memory
-from tweezer.fluid import Drag, Modes, by_axis, drag, modes, single
+from tweezer.fluid import Drag, Modes, Stokes, by_axis, drag, modes, single
 from tweezer.forces.acting import forces_of, try_forces
 from tweezer.forces.composed import Sum
 from tweezer.forces.equilibria import (
@@ -64,6 +65,8 @@ class Problem:
     """forces of the walls"""
     others: tuple[Force, ...] = ()
     """forces in addition to those of the scene"""
+    body: BodyMotion | None = None
+    """drag and inertia of a body that is no sphere; None for a sphere"""
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Return a call that binds the scene in another process, where addresses differ."""
@@ -93,7 +96,8 @@ class Problem:
     @property
     def rotates(self) -> bool:
         """Whether anything rotates the bead; otherwise rotation is not computed."""
-        return self.scene.rotates or self.force.oriented or self.drag.oriented
+        turned = self.force.oriented or self.drag.oriented
+        return self.scene.rotates or turned or self.body is not None
 
     @property
     def emitted(self) -> ModuleType:
@@ -103,6 +107,8 @@ class Problem:
     @property
     def takes_drag_exactly(self) -> bool:
         """Whether the exponential method can integrate the equations of motion."""
+        if self.body is not None:
+            return True
         return takes_drag_exactly(self.emitted, self.force, self.drag)
 
     @property
@@ -239,6 +245,16 @@ class Problem:
         """
         return self.bead.mass * float(self.mobility[TRANSLATION].max())
 
+    @property
+    def vorticity_time(self) -> float:
+        """Time in which vorticity diffuses over the bead, s; for a body that is no sphere, over the
+        radius of the sphere with its largest drag coefficient.
+        """
+        if self.body is None:
+            return self.bead.vorticity_time
+        medium = self.scene.medium
+        return self.body.radius(medium.viscosity) ** 2 * medium.density / medium.viscosity
+
     def foci(self, time: float = 0.0) -> Array:
         """Return the positions of the beams' foci at a time, s, (beams, 3) m."""
         if not isinstance(self.light, Beams):
@@ -364,7 +380,11 @@ class Problem:
 
     @functools.cached_property
     def equilibrium(self) -> Equilibrium | None:
-        """Stable equilibrium nearest the focus at time 0, or None."""
+        """Stable equilibrium nearest the focus at time 0, or None; always None for a body that is
+        no sphere, whose equilibria are poses.
+        """
+        if self.body is not None:
+            return None
         return nearest_stable(self.equilibria(self.net_force))
 
     def changed(self, **simulation: Any) -> Problem:
@@ -397,9 +417,11 @@ def bound_once(scene: SceneLike | Problem, others: Sequence[Force | str] = ()) -
         return scene
     forces = forces_of(others)
     scene = checked_scene(scene)
-    bead = bead_properties(scene)
+    body = body_motion(scene)
+    bead = bead_properties(scene) if body is None else properties_of_body(scene, body)
     walls = _forces_of_walls(scene, bead)
-    problem = Problem(scene, bead, drag(scene), light_force(scene), walls, forces)
+    far = drag(scene) if body is None else Stokes(bead.drag, bead.rotational_drag)
+    problem = Problem(scene, bead, far, light_force(scene), walls, forces, body)
     if forces:
         try_forces(forces, problem.places_about(), scene.simulation.duration)
     return problem

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from tweezer.scene.load import SceneLike, checked_scene
-from tweezer.scene.scene import KNUDSEN_LIMIT
+from tweezer.scene.scene import KNUDSEN_LIMIT, Scene
 from tweezer.scene.sphere import drag_of_rotation, drag_of_translation
 from tweezer.values.errors import SceneError
 from tweezer.values.printed import printed
@@ -23,9 +23,11 @@ class BeadProperties(Shown):
     moments_of_inertia: tuple[float, float, float]
     """principal moments of inertia I11, I22, I33 (A.13), kg m^2"""
     drag: float
-    """Stokes drag coefficient beta_v (2.15) far from walls, kg/s"""
+    """Stokes drag coefficient beta_v (2.15) far from walls, kg/s; of a body that is no sphere, the
+    inverse of its mean mobility"""
     rotational_drag: float
-    """rotational Stokes drag coefficient beta_w (2.15) far from walls, N m s"""
+    """rotational Stokes drag coefficient beta_w (2.15) far from walls, N m s; of a body that is no
+    sphere, the inverse of its mean mobility"""
     weight: tuple[float, float, float]
     """sum of gravity (2.11) and buoyancy (2.12), as far as the scene includes them, N"""
     knudsen: float
@@ -91,20 +93,35 @@ def bead_properties(scene: SceneLike) -> BeadProperties:
     scene = checked_scene(scene)
     if scene.bead.shape != "sphere":
         raise SceneError(
-            f"bead.shape = {scene.bead.shape!r}: the motion of such a body is not simulated yet; "
-            "allowed: 'sphere'. optical_force, optical_torque and `tweezer trap` accept any shape"
+            f"bead.shape = {scene.bead.shape!r}: has no single drag coefficient; allowed: "
+            "'sphere'. tweezer.resistance gives the drag of any body"
         )
-    body, r = scene.body, scene.bead.radius  # the drag is a sphere's
+    viscosity, r = scene.medium.viscosity, scene.bead.radius
+    return properties_with_drag(
+        scene, drag_of_translation(viscosity, r), drag_of_rotation(viscosity, r)
+    )
+
+
+def properties_with_drag(scene: Scene, drag: float, rotational_drag: float) -> BeadProperties:
+    """Return the properties of a bead of any shape with given drag coefficients.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene of the bead.
+    drag, rotational_drag : float
+        Drag coefficients of translation, kg/s, and of rotation, N m s.
+    """
+    body = scene.body
     g, forces = scene.forces.gravitational_acceleration, scene.forces
     lift = scene.medium.density * body.volume * g if forces.buoyancy else 0.0
     pull = body.mass * g if forces.gravity else 0.0
-    viscosity = scene.medium.viscosity
     return BeadProperties(
         mass=body.mass,
         displaced_mass=scene.medium.density * body.volume,
         moments_of_inertia=body.moments_of_inertia,
-        drag=drag_of_translation(viscosity, r),
-        rotational_drag=drag_of_rotation(viscosity, r),
+        drag=drag,
+        rotational_drag=rotational_drag,
         weight=(0.0, 0.0, lift - pull),
         knudsen=scene.medium.mean_free_path / (2 * body.size),
     )

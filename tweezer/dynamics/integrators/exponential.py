@@ -968,6 +968,10 @@ class Exponential:
 
     def bound(self, equations: Equations) -> Bound:
         """Return the method bound to equations of motion, whose drag it treats exactly."""
+        if equations.body is not None:
+            from tweezer.dynamics.integrators.exponential_body import bound_to
+
+            return bound_to(equations)
         relaxation = equations.relaxation._replace(
             turn=address(turn_over, TURN) if "orientation" in equations.layout else 0,
         )

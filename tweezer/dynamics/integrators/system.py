@@ -14,11 +14,14 @@ import numpy as np
 from numba import typeof, types
 
 from tweezer.compiled import call, named_njit
+from tweezer.dynamics.body import BodyMotion
 from tweezer.dynamics.continuing import Begin
 from tweezer.dynamics.layout import EULER, Layout
 from tweezer.fluid import Mobility
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Force, Pose, Wrench, add, clear
+from tweezer.scene import Scene
+from tweezer.scene.bead import BeadProperties
 from tweezer.values.arrays import Array
 
 # status with which a call of a loop ended; or that it has not ended
@@ -288,6 +291,14 @@ class Equations(Protocol):
     """state from which an earlier run is continued; None for a run from the release"""
     absolute_tolerance: Array
     """(state,) absolute tolerance of each component of a state, in its unit"""
+    scene: Scene
+    """scene of the motion"""
+    bead: BeadProperties
+    """mass and weight of the bead"""
+
+    @property
+    def body(self) -> BodyMotion | None:
+        """Drag and inertia of a body that is no sphere; None for a sphere."""
 
     @property
     def begin_time(self) -> float:
