@@ -84,7 +84,7 @@ def body_motion(scene: Scene) -> BodyMotion | None:
 
     body = scene.body
     inertia = np.zeros((6, 6))
-    inertia[:3, :3], inertia[3:, 3:] = body.mass * np.eye(3), np.diag(body.moments_of_inertia)
+    inertia[:3, :3], inertia[3:, 3:] = body.mass * np.eye(3), np.array(body.inertia)
     return BodyMotion(np.array(resistance(scene).matrix), inertia)
 
 

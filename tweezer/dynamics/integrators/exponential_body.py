@@ -385,6 +385,12 @@ def _factorise(how, work):  # type: ignore[no-untyped-def]
 
 
 @named_njit(inner=True, error_model="numpy")
+def _felt(step, tau):  # type: ignore[no-untyped-def]
+    """Return about the part of a change of the slow velocity that a velocity follows in a step."""
+    return step / (step + tau)
+
+
+@named_njit(inner=True, error_model="numpy")
 def _correct(how, step, allowed, work):  # type: ignore[no-untyped-def]
     """Correct `work.slow`; return the size of the correction over the allowed displacement."""
     matrix, x = work.matrix, work.residual
@@ -400,7 +406,7 @@ def _correct(how, step, allowed, work):  # type: ignore[no-untyped-def]
         for a in range(SIX):
             change = 0.0
             for j in range(SIX):
-                change += how.velocities[a, j] * x[SIX * i + j]
+                change += how.velocities[a, j] * x[SIX * i + j] * _felt(step, how.times[j])
             most = max(most, step * abs(change) / allowed[0 if a < 3 else 1])
         for j in range(SIX):
             work.slow[i, j] += x[SIX * i + j]
@@ -427,7 +433,8 @@ def _error(how, step, allowed, work):  # type: ignore[no-untyped-def]
         for k in range(NODES - 2, NODES):
             slow = 0.0
             for j in range(SIX):
-                slow += how.velocities[a, j] * work.coefficients[j, k]
+                part = _felt(step, how.times[j])
+                slow += how.velocities[a, j] * work.coefficients[j, k] * part
             off = abs(slow) + abs(work.coefficients[SIX + a, k])
             most = max(most, off / allowed[0 if a < 3 else 1])
     return 0.5 * step * most / (2 * NODES + 1)
