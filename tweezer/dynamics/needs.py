@@ -299,8 +299,6 @@ class Forgotten(NamedTuple):
 
 #: For each motion, the first one counts
 MEMORY = (
-    Forgotten((DETERMINISTIC, THERMAL, LINEAR), lambda its: its.problem.body is not None,
-              "it is known for spheres only"),
     Forgotten((DETERMINISTIC, LINEAR), lambda its: its.names_another_model, _WHERE_NAMED),
     Forgotten((DETERMINISTIC, LINEAR), lambda its: its.method is not None and not its.has("memory"),
               "the method {method} cannot follow it"),
@@ -316,6 +314,8 @@ MEMORY = (
     Forgotten((THERMAL,), lambda its: its.has("spring_only") and its.coupled,
               "{method} cannot follow it in a trap that couples the axes"),
     Forgotten((THERMAL,), lambda its: its.names_another_model, _WHERE_NAMED),
+    Forgotten((DETERMINISTIC, THERMAL, LINEAR), lambda its: its.problem.body is not None,
+              "it is known for spheres only"),
 )  # fmt: skip
 
 
