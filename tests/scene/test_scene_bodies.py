@@ -284,14 +284,14 @@ def test_right_scene_of_a_body_is_accepted(command_line, changes):
         command_line("trap", "scene.toml")
 
 
-DRAG = "bead.shape = 'spheroid': the motion of such a body is not simulated yet; allowed: 'sphere'"
+DRAG = "bead.shape = 'spheroid': has no single drag coefficient; allowed: 'sphere'"
 
 
 @pytest.mark.usefixtures("never_computed")
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (["run"], DRAG),
+        (["run"], "simulation.model = 'scaled': applies to spheres; set simulation.model to full"),
         (["ensemble", "--trajectories", "3"], "bead.shape = 'spheroid': "),
         (["tune"], DRAG),
         (["trap", "--heights", "1 um", "2 um"], DRAG),

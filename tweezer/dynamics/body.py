@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tweezer.dynamics.layout import ROTATION, TRANSLATION
 from tweezer.scene import Scene
 from tweezer.scene.bead import BeadProperties, properties_with_drag
 from tweezer.values.arrays import Array
@@ -58,7 +59,9 @@ class BodyMotion:
 
     def radius(self, viscosity: float) -> float:
         """Return the radius of the sphere with the largest drag coefficient of translation, m."""
-        return float(np.linalg.eigvalsh(self.resistance[:3, :3])[-1]) / (6 * math.pi * viscosity)
+        return float(np.linalg.eigvalsh(self.resistance[TRANSLATION, TRANSLATION])[-1]) / (
+            6 * math.pi * viscosity
+        )
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -84,11 +87,14 @@ def body_motion(scene: Scene) -> BodyMotion | None:
 
     body = scene.body
     inertia = np.zeros((6, 6))
-    inertia[:3, :3], inertia[3:, 3:] = body.mass * np.eye(3), np.array(body.inertia)
+    inertia[TRANSLATION, TRANSLATION], inertia[ROTATION, ROTATION] = (
+        body.mass * np.eye(3),
+        np.array(body.inertia),
+    )
     return BodyMotion(np.array(resistance(scene).matrix), inertia)
 
 
 def properties_of_body(scene: Scene, motion: BodyMotion) -> BeadProperties:
     """Return mass, weight and mean drag coefficients of a body."""
-    mean = [3 / np.trace(motion.mobility[part, part]) for part in (slice(0, 3), slice(3, 6))]
+    mean = [3 / np.trace(motion.mobility[part, part]) for part in (TRANSLATION, ROTATION)]
     return properties_with_drag(scene, float(mean[0]), float(mean[1]))

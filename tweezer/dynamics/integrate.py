@@ -318,7 +318,7 @@ class SciPySolver:
             "rtol": simulation.relative_tolerance * tightened,
             "atol": equations.absolute_tolerance * tightened,
         }
-        if METHODS[method].implicit:
+        if METHODS[method].implicit and equations.module.JACOBIAN_INPUTS:
             self._options["jac"] = equations.jacobian
         kinks = equations.force.kinks(end)
         self._ends = [*kinks[kinks > equations.begin_time].tolist(), end]

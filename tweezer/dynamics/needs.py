@@ -32,6 +32,11 @@ from tweezer.values.errors import SceneError
 _ROUNDING = 1e-9
 
 
+#: Distance from a wall over the largest radius of a body that is no sphere, from which its drag is
+#: the one far away, with the first reflection as an error
+_FAR_FROM_WALLS = 5.0
+
+
 class Bound(Protocol):
     """A scene with its forces and drag: a `tweezer.dynamics.problem.Problem`."""
 
@@ -183,6 +188,14 @@ CHOICES = (
 )  # fmt: skip
 
 
+def _beside_wall(scene: Scene) -> bool:
+    """Return whether a body starts so near to a wall that the wall's drag is not negligible."""
+    if scene.wall is None:
+        return False
+    z, nearest = scene.start_position[2], _FAR_FROM_WALLS * scene.body.size
+    return any(abs(z - position) < nearest for position, _ in scene.wall.planes)
+
+
 class Need(NamedTuple):
     """Property of a scene that a model or a method does not support, with the error message."""
 
@@ -269,6 +282,12 @@ WATCHED = (
 )  # fmt: skip
 #: Of the emitted equations of motion of a model
 OF_EQUATIONS = (
+    Need("simulation.model",
+         lambda its: its.problem.body is not None and its.model.name in ("scaled", "first-order"),
+         "applies to spheres", _set("simulation.model", "full")),
+    Need("wall", lambda its: its.problem.body is not None and _beside_wall(its.problem.scene),
+         "the drag beside a wall is known for spheres; a body of another shape must be at least "
+         f"{_FAR_FROM_WALLS:g} times its largest radius from it", lambda _: "move start.position"),
     Need("simulation.model",
          lambda its: not its.problem.drag.uniform and "beta_v" in its.problem.emitted.PARAMS,
          _EVEN_DRAG, _set("simulation.model", "full")),

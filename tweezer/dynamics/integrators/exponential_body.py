@@ -53,13 +53,16 @@ from tweezer.dynamics.integrators.system import (
     signature,
     step_to_try,
 )
-from tweezer.dynamics.layout import POSITION, Layout
+from tweezer.dynamics.layout import EULER, POSITION, ROTATION, TRANSLATION, Layout
 from tweezer.dynamics.se3 import from_middle, moved, rotated, rotated_back, turn_in_body
 from tweezer.forces.force import Pose, Wrench, add, bound, clear
 from tweezer.generated import body_motion
 
 #: Number of components of a twist, and of unknowns in a step
 SIX, _ALL = 6, 6 * NODES
+#: Number of components of a velocity; first column of the Euler parameters in a state of the loop,
+#: which follow the position and the velocities z
+_HALF, _E = 3, 9
 #: Smallest and largest factor from one step to the next, and of a step that Newton did not solve
 _SHRINK, _GROWTH, _UNSOLVED = 0.2, 4.0, 0.4
 #: Power of the step with which its error scales, and safety factor of the next step
@@ -247,12 +250,12 @@ def _settle(how, step, allowed, work):  # type: ignore[no-untyped-def]
                     at += step * _GAUSS[i, k] * work.remainder[k, a]
                 work.y[i, a] = at
         for i in range(NODES):
-            w = work.twist[i, 3:]
-            from_middle(work.y[i, 3:], w, turned)
+            w = work.twist[i, _HALF:]
+            from_middle(work.y[i, _HALF:], w, turned)
             for a in range(3):
                 most = max(most, step * abs(turned[a] - work.remainder[i, 3 + a]) / allowed[1])
                 work.remainder[i, 3 + a] = turned[a]
-            _turned(work.y[i, 3:], work.twist[i, :3], turned)
+            _turned(work.y[i, _HALF:], work.twist[i, :_HALF], turned)
             for a in range(3):
                 more = turned[a] - work.twist[i, a]
                 most = max(most, step * abs(more - work.remainder[i, a]) / allowed[0])
@@ -276,8 +279,8 @@ def _reach(y, place, out_position, out_e):  # type: ignore[no-untyped-def]
 
     `y` is the state at the beginning of the step: position, six velocities, Euler parameters.
     """
-    e = y[9:13]
-    rotated(e, place[:3], out_position)
+    e = y[_E : _E + EULER]
+    rotated(e, place[:_HALF], out_position)
     for a in range(3):
         out_position[a] += y[a]
     turn_in_body(e, place[3], place[4], place[5], out_e)
@@ -288,8 +291,8 @@ def _wrench(how, pose, wrench, i, out):  # type: ignore[no-untyped-def]
     """Fill `out` (6,) with force and torque `i` in the body's frame, with the weight."""
     for a in range(3):
         wrench.force[i, a] += how.weight[a]
-    rotated_back(pose.orientation[i], wrench.force[i], out[:3])
-    rotated_back(pose.orientation[i], wrench.moment[i], out[3:])
+    rotated_back(pose.orientation[i], wrench.force[i], out[:_HALF])
+    rotated_back(pose.orientation[i], wrench.moment[i], out[_HALF:])
 
 
 @named_njit(inner=True, error_model="numpy")
@@ -319,8 +322,8 @@ def _differentiate(system, how, work, counts):  # type: ignore[no-untyped-def]
     """Fill `how.gradient` by differences about the pose at the middle node."""
     middle = NODES // 2
     wrench, before, xi = np.empty(SIX), np.empty(SIX), np.zeros(SIX)
-    rotated_back(work.pose.orientation[middle], work.wrench.force[middle], before[:3])
-    rotated_back(work.pose.orientation[middle], work.wrench.moment[middle], before[3:])
+    rotated_back(work.pose.orientation[middle], work.wrench.force[middle], before[:_HALF])
+    rotated_back(work.pose.orientation[middle], work.wrench.moment[middle], before[_HALF:])
     for a in range(SIX):
         for b in range(SIX):
             xi[b] = 0.0
@@ -495,15 +498,15 @@ def _to(how, s, step, y, shape, chi, out):  # type: ignore[no-untyped-def]
     for j in range(SIX):
         tau = how.times[j]
         relaxed(s, tau, chi)
-        way = displacement(s, s / step, tau, 1.0, y[3 + j], shape[j], chi)
+        way = displacement(s, s / step, tau, 1.0, y[_HALF + j], shape[j], chi)
         for a in range(SIX):
             place[a] += how.velocities[a, j] * way
-        out[3 + j] = velocity(s / step, y[3 + j], shape[j], chi)
+        out[_HALF + j] = velocity(s / step, y[_HALF + j], shape[j], chi)
         power = s
         for m in range(NODES):
             place[j] += shape[SIX + j, m] * power * INVERSE[m + 1]
             power *= s / step
-    _reach(y, place, out[:3], out[9:13])
+    _reach(y, place, out[:_HALF], out[_E : _E + EULER])
 
 
 @named_njit(inner=True, error_model="numpy")
@@ -533,7 +536,7 @@ def _advance(  # type: ignore[no-untyped-def]
         step, last, why = step_to_try(control, clock, counts, records.begin.size - written)
         if why != GOING_ON:
             return written, why
-        _weigh(how, step, y[3:9], work)
+        _weigh(how, step, y[_HALF:_E], work)
         error = -2.0
         while error == -2.0:
             _foretell(how, step, work)
@@ -645,10 +648,10 @@ def _begun(equations: Equations, how: BodyRelaxation, y: Array) -> BodyRelaxatio
     In the first step the force changes little, and the initial relaxation of the velocity is
     resolved where it moves the body noticeably. `y` (13,) is the initial state.
     """
-    size, turned = how.length, Rotation.from_quat(y[9:13], scalar_first=True)
+    size, turned = how.length, Rotation.from_quat(y[_E:], scalar_first=True)
     twists = np.vstack([np.zeros(SIX), _DIFFERENCE * np.diag([size] * 3 + [1.0] * 3)])
-    places = y[POSITION] + turned.apply(twists[:, :3])
-    turns = turned * Rotation.from_rotvec(twists[:, 3:])
+    places = y[POSITION] + turned.apply(twists[:, TRANSLATION])
+    turns = turned * Rotation.from_rotvec(twists[:, ROTATION])
     at = equations.moving.field(
         places, time=equations.begin_time, orientations=turns.as_quat(scalar_first=True)
     )
@@ -660,7 +663,7 @@ def _begun(equations: Equations, how: BodyRelaxation, y: Array) -> BodyRelaxatio
     foretold[:, 0] = slow
     rate = float(np.abs(np.linalg.eigvals(how.velocities @ how.response @ gradient)).max())
     allowed = equations.absolute_tolerance[[0] * 3 + [equations.layout.first("orientation")] * 3]
-    moved = rate * np.abs(how.velocities * (how.times**2 * (y[3:9] - slow)))
+    moved = rate * np.abs(how.velocities * (how.times**2 * (y[_HALF:_E] - slow)))
     seen = (moved / allowed[:, None] > _UNSEEN).any(axis=0)
     first = _LAYER * float(how.times[seen].min(initial=math.inf))
     return how._replace(
@@ -673,20 +676,20 @@ def _in_modes(state: Array, velocities: Array, emitted: Layout) -> Array:
     e, twist = state[emitted.at("orientation")], np.zeros(SIX)
     if "velocity" in emitted:
         turned = Rotation.from_quat(e, scalar_first=True)
-        twist[:3] = turned.apply(state[emitted.at("velocity")], inverse=True)
-        twist[3:] = state[emitted.at("angular_velocity")]
+        twist[TRANSLATION] = turned.apply(state[emitted.at("velocity")], inverse=True)
+        twist[ROTATION] = state[emitted.at("angular_velocity")]
     return np.concatenate([state[POSITION], np.linalg.solve(velocities, twist), e])
 
 
 def _emitted(y: Array, velocities: Array, emitted: Layout) -> Array:
     """Return states (n, state) in the form of the emitted equations, from those of the loop."""
     states = np.empty((len(y), emitted.width))
-    states[:, POSITION], states[:, emitted.at("orientation")] = y[:, POSITION], y[:, 9:13]
+    states[:, POSITION], states[:, emitted.at("orientation")] = y[:, POSITION], y[:, _E:]
     if "velocity" in emitted:
-        twist = y[:, 3:9] @ velocities.T
-        turned = Rotation.from_quat(y[:, 9:13], scalar_first=True)
-        states[:, emitted.at("velocity")] = turned.apply(twist[:, :3])
-        states[:, emitted.at("angular_velocity")] = twist[:, 3:]
+        twist = y[:, _HALF:_E] @ velocities.T
+        turned = Rotation.from_quat(y[:, _E:], scalar_first=True)
+        states[:, emitted.at("velocity")] = turned.apply(twist[:, TRANSLATION])
+        states[:, emitted.at("angular_velocity")] = twist[:, ROTATION]
     return states
 
 
