@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
-from types import SimpleNamespace
 
 import numpy as np
 
 from tweezer.compiled import cached_njit
+from tweezer.dynamics.body import BodyMotion
 from tweezer.dynamics.brownian import batch, march
 from tweezer.dynamics.brownian.batch import Plan
 from tweezer.dynamics.brownian.crossing import Boundary
@@ -62,9 +62,7 @@ class Well(Force):
 def a_body(mobility, inertia=None):
     """A body with a mobility (6, 6) and an inertia (6, 6)."""
     mobility = np.array(mobility, dtype=float)
-    return SimpleNamespace(
-        mobility=mobility, resistance=np.linalg.inv(mobility), inertia=inertia
-    )  # fmt: skip
+    return BodyMotion(np.linalg.inv(mobility), np.eye(6) if inertia is None else inertia)
 
 
 def _plan(scheme, body, kT, h, seed=1, per_sample=1):

@@ -19,15 +19,18 @@ import numpy as np
 
 from tweezer.dynamics.body import BodyMotion
 from tweezer.dynamics.brownian.batch import Scheme
-from tweezer.dynamics.layout import TRANSLATION
+from tweezer.dynamics.layout import ROTATION, TRANSLATION
 from tweezer.fluid import Drag
 from tweezer.forces.equilibria import Equilibrium
 from tweezer.forces.force import Force
 from tweezer.scene import Scene
 from tweezer.scene.choices import METHODS, MODELS, Method, Model, at, methods
 from tweezer.values.arrays import Array
+from tweezer.values.constants import Boltzmann
 from tweezer.values.errors import SceneError
 
+#: Rotational diffusion in the relaxation time, rad^2, above which gyroscopic forces are noticeable
+_GYROSCOPIC = 1e-3
 #: Part of the largest stiffness below which an entry of it is rounding
 _ROUNDING = 1e-9
 
@@ -109,6 +112,20 @@ class Facts:
         return bool(getattr(self.method, trait, False))
 
     @property
+    def body(self) -> bool:
+        """Whether the bead is not a sphere."""
+        return self.problem.body is not None
+
+    @property
+    def gyroscopic(self) -> bool:
+        """Whether a body's gyroscopic force, which its steps leave out, changes thermal motion."""
+        body, temperature = self.problem.body, self.problem.scene.medium.temperature
+        if body is None or not self.model.inertia:
+            return False
+        turns = Boltzmann * temperature * np.linalg.eigvalsh(body.mobility[ROTATION, ROTATION])
+        return bool(turns[-1] * body.relaxation_times[0] > _GYROSCOPIC)
+
+    @property
     def walls(self) -> bool:
         """Whether the bead is beside walls."""
         return self.problem.drag.walls is not None
@@ -121,6 +138,8 @@ class Facts:
     @property
     def followed(self) -> list[str]:
         """Models of thermal motion for the drag, the preferred one first."""
+        if self.body:
+            return list(METHODS["heun"].bodies)
         if self.walls:
             return list(METHODS["heun"].beside_wall)
         slow = (name for name, each in MODELS.items() if not (each.inertia or each.scheme))
@@ -133,7 +152,9 @@ class Facts:
         """
         assert self.method is not None
         place = self.model.scheme or self.method.place
-        if self.walls:
+        if self.body:
+            place = self.method.bodies.get(self.model.name, place)
+        elif self.walls:
             place = self.method.beside_wall.get(self.model.name, place)
         scheme: Scheme = at(place)
         return scheme
@@ -162,6 +183,8 @@ class Facts:
         """Return words with the names of the model and the method filled in."""
         simulation = self.problem.scene.simulation
         where = "beside a wall" if self.walls else "under a drag that depends on the position"
+        if self.body:
+            where = "of a body that is not a sphere"
         return words.format(model=self.model.name, method=simulation.method, where=where)
 
 
@@ -181,6 +204,7 @@ class Choice(NamedTuple):
 CHOICES = (
     Choice("model", "full", "inertia is exact at any step", lambda its: its.problem.drag.uniform),
     Choice("model", "overdamped", "the drag depends on the place"),
+    Choice("method", "heun", "steps on the group of poses, weak order 2", lambda its: its.body),
     Choice("method", "heun", "the gap as the radius of a motion in a plane, weak order 2",
            lambda its: its.walls),
     Choice("method", "euler-maruyama", "the drag depends on the place", lambda its: its.by_place),
@@ -243,6 +267,23 @@ OF_MODEL = (
 )  # fmt: skip
 #: Of a model and a method that are decided, in thermal motion
 NEEDS = (
+    Need("simulation.method",
+         lambda its: its.body and its.model.name not in getattr(its.method, "bodies", ()),
+         "cannot follow a body that is not a sphere in the model {model}",
+         _one_of("simulation.method", lambda its: _thermal_methods(
+             lambda each: its.model.name in each.bodies))),
+    Need("forces.brownian", lambda its: its.body and its.problem.scene.wall is not None,
+         "thermal motion beside a wall requires a sphere", _set("forces.brownian", "false")),
+    Need("start.drawn",
+         lambda its: its.body and its.problem.scene.start.drawn in ("equilibrium", "boltzmann"),
+         "requires a sphere", _set("start.drawn", "no")),
+    Need("simulation.model",
+         lambda its: its.body and its.model.inertia and its.problem.scene.camera is not None,
+         "is not available for a body that is not a sphere and a camera",
+         _set("simulation.model", "overdamped")),
+    Need("simulation.model", lambda its: its.gyroscopic,
+         "leaves out the gyroscopic force, which is noticeable in so thin a medium",
+         _set("simulation.model", "overdamped")),
     Need("simulation.method",
          lambda its: its.has("spring_only") and not its.problem.force.steady,
          "follows a trap at rest, but a force or a beam changes in time", _HEUN),

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tweezer.dynamics import thermal_body
 from tweezer.dynamics.beside_wall import Towards, rate_of_sticking, towards, without_walls
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
 from tweezer.dynamics.camera import longest_step
@@ -125,6 +126,8 @@ class Linearised:
         method = METHODS[scene.simulation.method]
         kT = Boltzmann * scene.medium.temperature
         mobility = problem.mobility[:dims]
+        if problem.body is not None:
+            mobility = thermal_body.largest_mobilities(problem.body)
         if walls is not None:
             free = walls.stokes
             mobility = np.repeat([1 / free.translation, 1 / free.rotation], 3)[:dims]
@@ -154,6 +157,9 @@ def _velocities(problem: Problem, mobility: Array) -> tuple[Array, Modes | None]
     simulation, dims = problem.scene.simulation, len(mobility)
     if not MODELS[str(simulation.model)].inertia:
         return np.zeros(dims), None
+    if problem.body is not None:
+        tau = problem.body.relaxation_times
+        return tau, Modes(tau[-1:], np.ones(1))  # the shortest: no bead moves farther in a step
     inertias = np.repeat([problem.effective_mass, problem.bead.moments_of_inertia[0]], 3)[:dims]
     tau = inertias * mobility
     if simulation.model == "scaled" and simulation.scaling_factor:
@@ -194,6 +200,8 @@ def _limits_of_any_step(problem: Problem, linear: Linearised) -> Iterator[tuple[
     if problem.rotates:
         exact = linear.inertial or linear.towards is not None
         part = LONGEST_WITH_INERTIA if exact else LONGEST
+        if problem.body is not None:
+            part = thermal_body.LONGEST
         about = linear.diffusion[ROTATION][0]
         yield part / about, f"{part:g} of the time of rotational diffusion"
     if (camera := problem.scene.camera) is not None:
@@ -213,7 +221,13 @@ def _limits_of_forces(problem: Problem, linear: Linearised) -> Iterator[tuple[fl
     """Yield limits, s, due to forces and their changes, each with its reason."""
     simulation, tau = problem.scene.simulation, linear.tau
     # not the largest: next to its surface at the focus a bead's force has an infinite derivative
-    about = rates_of_force(problem if linear.towards is None else without_walls(problem))
+    if problem.body is not None:
+        about = thermal_body.rates_of_wrench(problem)
+        turns = float(linear.diffusion[ROTATION][0])
+        part = thermal_body.USUAL
+        yield part / turns, f"{part:g} of the time of rotational diffusion"
+    else:
+        about = rates_of_force(problem if linear.towards is None else without_walls(problem))
     rate = max(float(np.quantile(about, _MOST)), float(np.abs(linear.kappa).max()))
     if rate > 0 and not linear.method.spring_only:
         decay = _PART / rate, f"{_PART:g} of the fastest time scale of the force"

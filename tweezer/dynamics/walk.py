@@ -456,7 +456,9 @@ def _taken_exactly(problem: Problem, linear: Linearised) -> Linear:
     Across a wall the diffusion is in the plane whose radius gives the gap.
     """
     shaken = linear.diffusion.copy()
-    if problem.drag.walls is not None:
+    if problem.body is not None:  # of its six modes of velocity
+        shaken = linear.kT * linear.tau
+    elif problem.drag.walls is not None:
         shaken[2] /= 2 * problem.drag.walls.radius**2  # in the plane
     elif not linear.inertial:
         shaken[ROTATION] = 0.0  # rotational diffusion without inertia is drawn by itself
@@ -477,6 +479,8 @@ def _plan(
     load = np.zeros(dims)
     load[TRANSLATION] = problem.bead.weight
     resisting = problem.drag.part
+    if problem.body is not None and scheme.body is not None:
+        resisting = Part(0, scheme.body(problem.body, linear.kT, step))
     if walls is not None and scheme.data is not None:  # its step reads them, and calls no kernel
         resisting = Part(0, scheme.data(walls, linear.kT))
     return Plan(
@@ -507,12 +511,15 @@ def _exposure(problem: Problem, linear: Linearised, step: float) -> Exposure | N
     """Return the exposure of the scene's camera; None without one."""
     if (frames := Frames.of(problem.scene)) is None:
         return None
-    short = linear.diffusion[TRANSLATION]
+    mobility = linear.mobility[TRANSLATION]
+    if problem.body is not None:  # its mean over all orientations
+        mobility = problem.mobility[TRANSLATION]
+    short = linear.kT * mobility
     if linear.modes is not None:
         short = at_short_times(step, short, linear.modes)
     spring = linear.centre[TRANSLATION] if linear.method.spring_only else None
     return Exposure(
-        frames, problem, step, short, linear.mobility[TRANSLATION], np.diag(linear.rates).copy(),
+        frames, problem, step, short, mobility, np.diag(linear.rates).copy(),
         spring,
     )  # fmt: skip
 
@@ -521,7 +528,7 @@ def _loses_energy(problem: Problem, linear: Linearised) -> bool:
     """Return whether a bead oscillates so many times that the steps may remove
     noticeable energy.
     """
-    if not linear.inertial or linear.towards is not None:
+    if not linear.inertial or linear.towards is not None or problem.body is not None:
         return False
     swings = math.sqrt(float(linear.tau[0] * linear.kappa[TRANSLATION].max()))
     return swings > _MANY_SWINGS and linear.method.name == "heun" and problem.force.steady

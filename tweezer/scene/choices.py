@@ -61,6 +61,9 @@ class Method:
     """whether the drag must be the same everywhere"""
     beside_wall: Mapping[str, str] = field(default_factory=dict)
     """"module:name" of its scheme beside a wall, by the models that it can integrate there"""
+    bodies: Mapping[str, str] = field(default_factory=dict)
+    """"module:name" of its scheme for a body that is not a sphere, by the models that it can
+    integrate for such a body"""
     memory: bool = False
     """whether it can integrate hydrodynamic memory"""
     exact_drag: bool = False
@@ -176,11 +179,14 @@ METHODS: dict[str, Method] = _by_name(
     Method("heun", "exponential Heun; the choice of auto", f"{_SCHEMES}.heun:HEUN", thermal=True,
            models=("full", "scaled", "overdamped", "first-order"), uniform_drag=True, memory=True,
            beside_wall={"overdamped": f"{_SCHEMES}.wall:HEUN",
-                        "full": f"{_SCHEMES}.wall_with_inertia:HEUN"}),
+                        "full": f"{_SCHEMES}.wall_with_inertia:HEUN"},
+           bodies={"full": f"{_SCHEMES}.body_with_inertia:HEUN",
+                   "overdamped": f"{_SCHEMES}.body:TRAPEZOID"}),
     Method("one-call", "one force evaluation per step, for distributions",
            f"{_SCHEMES}.one_call:ONE_CALL",
            thermal=True, displacements=False, uniform_drag=True, memory=True,
-           beside_wall={"overdamped": f"{_SCHEMES}.wall:ONE_CALL"}),
+           beside_wall={"overdamped": f"{_SCHEMES}.wall:ONE_CALL"},
+           bodies={"overdamped": f"{_SCHEMES}.body:ONE_CALL"}),
     Method("harmonic", "exact motion in a harmonic trap", f"{_SCHEMES}.euler:HARMONIC",
            thermal=True, spring_only=True, uniform_drag=True, memory=True),
     Method("euler-maruyama", "for comparison; beside a wall only without inertia",

@@ -6,13 +6,14 @@ Beads are processed side by side in batches, and the force is evaluated on a who
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import typeof, types
 
 from tweezer.compiled import cached_njit, named_njit
 from tweezer.compiled.lanes import LANES, columns, lanes, store, store_columns
+from tweezer.dynamics.body import BodyMotion
 from tweezer.dynamics.brownian import memory, propagator
 from tweezer.dynamics.brownian.coordinate import led, relaxed
 from tweezer.dynamics.brownian.propagator import Weights
@@ -293,7 +294,7 @@ class Scheme(NamedTuple):
     """for a scheme beside walls, a function of the walls and kT, J, which returns the data that its
     step reads in place of a drag
     """
-    body: Callable[[Any, float, float], Data] | None = None
+    body: Callable[[BodyMotion, float, float], Data] | None = None
     """for a scheme of rigid bodies that also rotates them, a function of the body, kT, J, and the
     step, s, which returns the data that its step reads in place of a drag
     """

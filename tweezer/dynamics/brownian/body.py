@@ -22,12 +22,11 @@ wells then hardly depend on the step:
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from tweezer.compiled import cached_njit, named_njit
 from tweezer.compiled.stack import borrowed, on_stack
+from tweezer.dynamics.body import BodyMotion
 from tweezer.dynamics.brownian.batch import Scheme, exact_without_springs
 from tweezer.dynamics.layout import ROTATION, TRANSLATION
 from tweezer.dynamics.se3 import moved, rotated_back
@@ -81,7 +80,7 @@ def corrected(covariance: Array) -> Array:
     return covariance + 2 * correction(covariance / 2)
 
 
-def data_of(body: Any, kT: float, step: float) -> Data:
+def data_of(body: BodyMotion, kT: float, step: float) -> Data:
     """Return the data that the steps read, for a rigid body, kT (J) and a step (s)."""
     return packed(body.mobility, np.linalg.cholesky(corrected(2 * kT * step * body.mobility)))
 

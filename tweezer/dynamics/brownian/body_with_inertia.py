@@ -2,7 +2,7 @@
 
 In the body's frame the inertia M and the resistance R are constant, symmetric and positive. With
 
-    M = L L^T,    L^-1 R L^-T = Q diag(1/tau) Q^T,    P = L^-T Q,
+    M^-1/2 R M^-1/2 = Q diag(1/tau) Q^T,    P = M^-1/2 Q,
 
 the velocities V = P z of translation and rotation fall apart into six modes
 
@@ -20,12 +20,11 @@ negligible in a liquid.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from tweezer.compiled import cached_njit, named_njit
 from tweezer.compiled.stack import borrowed, on_stack
+from tweezer.dynamics.body import BodyMotion
 from tweezer.dynamics.brownian import propagator
 from tweezer.dynamics.brownian.batch import Scheme, exact_without_springs
 from tweezer.dynamics.brownian.body import (
@@ -42,24 +41,15 @@ from tweezer.dynamics.brownian.body import (
 )
 from tweezer.dynamics.se3 import rotated, rotated_back
 from tweezer.forces.data import Data, matrix, packed
-from tweezer.values.arrays import Array
 
 #: Entries of the data of a step: P and its inverse, diag(tau) P^T, and the matrix by which normal
 #: numbers become the noise of the twist
 MODES, INVERSE, SLOW, ROOT = 0, 1, 2, 3
 
 
-def modes(inertia: Array, resistance: Array) -> tuple[Array, Array]:
-    """Return the relaxation times tau (6,), s, longest first, and P (6, 6) of a rigid body."""
-    root = np.linalg.cholesky(inertia)
-    half = np.linalg.solve(root, resistance)
-    rates, Q = np.linalg.eigh(np.linalg.solve(root, half.T))
-    return 1 / rates, np.linalg.solve(root.T, Q)
-
-
-def data_of(body: Any, kT: float, step: float) -> Data:
+def data_of(body: BodyMotion, kT: float, step: float) -> Data:
     """Return the data that the step reads, for a rigid body, kT (J) and a step (s)."""
-    tau, P = modes(body.inertia, body.resistance)
+    tau, P = body.relaxation_times, body.velocities
     spread = P * propagator.exact(step, tau, np.zeros(6), kT * tau).noise_x
     covariance = spread @ spread.T
     unit = np.sqrt(np.diag(covariance))
