@@ -36,6 +36,8 @@ BODY = {
 }
 SHAPED = {"bead": {"moments_of_inertia": [1e-28, 1e-28, 1.5e-28]}}
 DARK = {"forces": {"brownian": True, "optical": False}}
+ROD = {"bead": {"shape": "spheroid", "length": "2 um"}, "medium": {"inertia": "none"}}
+FILMED = {"camera": {"rate": "1 kHz", "exposure": "0.5 ms"}}
 BLINKING = {"beam": {"modulation": {"kind": "on-off", "frequency": "500 Hz"}}}
 
 
@@ -114,6 +116,34 @@ REFUSED: dict[str, tuple[Callable[[Problem], None], tuple[Data, ...], str, list[
         thermal, (THERMAL, BODY, with_method("heun", model="full")),
         "thermal rotation with inertia is computed for spheres", [TURNING],
     ),
+    "rod by a method for spheres": (
+        thermal, (DARK, ROD, with_method("baoab", model="full")),
+        "cannot follow a body that is not a sphere", [],
+    ),
+    "rod with one call and inertia": (
+        thermal, (DARK, ROD, with_method("one-call", model="full")),
+        "cannot follow a body that is not a sphere", [],
+    ),
+    "rod of order one": (
+        thermal, (DARK, ROD, with_method("heun", model="first-order")),
+        "cannot follow thermal motion of a body that is not a sphere", [],
+    ),
+    "rod beside a wall": (
+        thermal, (DARK, ROD, {"wall": {"position": "-8 um"}}), "beside a wall requires a sphere",
+        [],
+    ),
+    "rod at an equilibrium": (
+        thermal, (DARK, ROD, {"start": {"drawn": "equilibrium"}}),
+        "start.drawn = 'equilibrium': requires a sphere", [],
+    ),
+    "rod with inertia in frames": (
+        thermal, (DARK, ROD, FILMED, with_method("heun", model="full")),
+        "is not available for a body that is not a sphere and a camera", [],
+    ),
+    "rod in a thin gas": (
+        thermal, (DARK, ROD, {"medium": {"viscosity": 1e-6}}, with_method("heun", model="full")),
+        "leaves out the gyroscopic force", [],
+    ),
     "spring without a trap": (
         thermal, (DARK, with_method("harmonic")), "simulation.method = 'harmonic': requires", [],
     ),
@@ -172,6 +202,8 @@ def follow(message: str, data: Data) -> None:
         put(data, found[1], value_of(found[2]))
     elif found := re.search(r"; remove (\w+)\.(\w+)$", message):
         del data[found[1]][found[2]]
+    elif found := re.search(r"; remove (\w+)$", message):
+        del data[found[1]]
     elif message.startswith("events:"):
         assert message.endswith("; omit one of them")
         del data["camera"]

@@ -11,6 +11,7 @@ from tests.advice.test_binding import (
     DARK,
     NEAR,
     REFUSED,
+    ROD,
     SHAPED,
     THERMAL,
     TURNING,
@@ -131,7 +132,8 @@ def test_sphere_in_bulk_may_have_memory(changes):
 @pytest.mark.parametrize(
     ("changes", "changed", "model", "method"),
     [
-        ((THERMAL,), as_it_is, 0, 4),
+        ((THERMAL,), as_it_is, 0, 5),
+        ((DARK, ROD), as_it_is, 0, 4),
         ((DARK,), by_place, 1, 3),
         ((THERMAL, NEAR), as_it_is, 1, 2),
     ],

@@ -24,6 +24,7 @@ from tweezer.ensembles import job, statistics, store
 
 KILLS = int(os.environ.get("TWEEZER_KILLS", "2"))
 TRAJECTORIES = 1024
+ROD = FREE.replace(bead={"shape": "spheroid", "length": "2 um"}, simulation={"duration": "100 ms"})
 
 
 def work(
@@ -75,7 +76,7 @@ def has_written(process, out: Path, number: int, seen: set[tuple[Path, int]]) ->
 
 
 @pytest.mark.parametrize("gathered", [False, True])
-@pytest.mark.parametrize("scene", [FREE, INERTIAL], ids=["overdamped", "memory"])
+@pytest.mark.parametrize("scene", [FREE, INERTIAL, ROD], ids=["overdamped", "memory", "body"])
 def test_killed_at_random_and_resumed(scene, gathered, process, tmp_path):
     suffix = ".nc" if gathered else ".zarr"
     whole = tmp_path / f"whole{suffix}"

@@ -204,10 +204,10 @@ class Choice(NamedTuple):
 CHOICES = (
     Choice("model", "full", "inertia is exact at any step", lambda its: its.problem.drag.uniform),
     Choice("model", "overdamped", "the drag depends on the place"),
-    Choice("method", "heun", "steps on the group of poses, weak order 2", lambda its: its.body),
     Choice("method", "heun", "the gap as the radius of a motion in a plane, weak order 2",
            lambda its: its.walls),
     Choice("method", "euler-maruyama", "the drag depends on the place", lambda its: its.by_place),
+    Choice("method", "heun", "steps on the group of poses, weak order 2", lambda its: its.body),
     Choice("method", "heun", "exact drag and noise, weak order 2"),
 )  # fmt: skip
 
@@ -272,8 +272,8 @@ NEEDS = (
          "cannot follow a body that is not a sphere in the model {model}",
          _one_of("simulation.method", lambda its: _thermal_methods(
              lambda each: its.model.name in each.bodies))),
-    Need("forces.brownian", lambda its: its.body and its.problem.scene.wall is not None,
-         "thermal motion beside a wall requires a sphere", _set("forces.brownian", "false")),
+    Need("wall", lambda its: its.body and its.problem.scene.wall is not None,
+         "thermal motion beside a wall requires a sphere", lambda _: "remove wall"),
     Need("start.drawn",
          lambda its: its.body and its.problem.scene.start.drawn in ("equilibrium", "boltzmann"),
          "requires a sphere", _set("start.drawn", "no")),
