@@ -36,6 +36,7 @@ BODY = {
 }
 SHAPED = {"bead": {"moments_of_inertia": [1e-28, 1e-28, 1.5e-28]}}
 DARK = {"forces": {"brownian": True, "optical": False}}
+UNLIT = {"forces": {"optical": False}}
 ROD = {"bead": {"shape": "spheroid", "length": "2 um"}, "medium": {"inertia": "none"}}
 FILMED = {"camera": {"rate": "1 kHz", "exposure": "0.5 ms"}}
 BLINKING = {"beam": {"modulation": {"kind": "on-off", "frequency": "500 Hz"}}}
@@ -188,6 +189,15 @@ REFUSED: dict[str, tuple[Callable[[Problem], None], tuple[Data, ...], str, list[
     "model of order one, and a wall": (
         deterministic, (NEAR, with_method("auto", model="first-order")),
         "requires a drag that is the same everywhere", [],
+    ),
+    "rod in the scaled model": (
+        deterministic, (UNLIT, ROD, {"simulation": {"model": "scaled", "scaling_factor": 0.5}}),
+        "simulation.model = 'scaled': applies to spheres", [],
+    ),
+    "rod close to a wall": (
+        deterministic,
+        (UNLIT, ROD, {"wall": {"position": "-4 um"}, "start": {"position": [0, 0, 0]}}),
+        "wall: the drag beside a wall is known for spheres", [],
     ),
     "rates with memory": (
         rates, ({"medium": {"inertia": "memory", "poles": 16}}, with_method("auto", model="full")),

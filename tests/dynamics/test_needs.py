@@ -74,7 +74,6 @@ def as_it_is(problem):
     return problem
 
 
-ROD = {"bead": {"shape": "spheroid", "length": "1.5 um"}}
 OVERDAMPED = with_method("heun", model="overdamped")
 #: changes of silica-1um, forces, a change of the problem; motion and row that it reaches
 FORGOTTEN = [
@@ -95,7 +94,6 @@ FORGOTTEN = [
      needs.THERMAL, 7),
     ((ROD,), [], as_it_is, DETERMINISTIC, 8),
     ((THERMAL, ROD), [], as_it_is, LINEAR, 8),
-    ((THERMAL, ROD, with_method("heun", model="full")), [], as_it_is, needs.THERMAL, 8),
 ]  # fmt: skip
 
 

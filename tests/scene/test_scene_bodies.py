@@ -291,12 +291,11 @@ DRAG = "bead.shape = 'spheroid': has no single drag coefficient; allowed: 'spher
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (["run"], "simulation.model = 'scaled': applies to spheres; set simulation.model to full"),
-        (["ensemble", "--trajectories", "3"], "bead.shape = 'spheroid': "),
-        (["tune"], DRAG),
+        (["tune"], "bead.shape = 'spheroid': models and methods are compared for spheres"),
+        (["view"], "bead.shape = 'spheroid': has no interactive page; use `tweezer run --plot`"),
         (["trap", "--heights", "1 um", "2 um"], DRAG),
         (["map"], "bead.shape = 'spheroid': a body that turns has no force map"),
-        (["view", "--trap"], "--trap: bead.shape = 'spheroid' has no page; use `tweezer trap --pl"),
+        (["view", "--trap"], "has no interactive page; use `tweezer trap --plot`"),
     ],
     ids=lambda each: "-".join(each[:2]) if isinstance(each, list) else None,
 )

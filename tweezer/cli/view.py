@@ -126,9 +126,10 @@ def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
 
         return page_of(name), 0
     scene = scene_with(name, settings_of(changes))
-    if trap and scene.bead.shape != "sphere":
+    if scene.bead.shape != "sphere":
         raise SceneError(
-            f"--trap: bead.shape = {scene.bead.shape!r} has no page; use `tweezer trap --plot`"
+            f"bead.shape = {scene.bead.shape!r}: has no interactive page; use "
+            f"`tweezer {'trap' if trap else 'run'} --plot`"
         )
     bind_light(scene)
     if trap:

@@ -328,7 +328,7 @@ OF_EQUATIONS = (
          "applies to spheres", _set("simulation.model", "full")),
     Need("wall", lambda its: its.problem.body is not None and _beside_wall(its.problem.scene),
          "the drag beside a wall is known for spheres; a body of another shape must be at least "
-         f"{_FAR_FROM_WALLS:g} times its largest radius from it", lambda _: "move start.position"),
+         f"{_FAR_FROM_WALLS:g} times its largest radius from it", lambda _: "remove wall"),
     Need("simulation.model",
          lambda its: not its.problem.drag.uniform and "beta_v" in its.problem.emitted.PARAMS,
          _EVEN_DRAG, _set("simulation.model", "full")),
@@ -374,7 +374,7 @@ MEMORY = (
     Forgotten((THERMAL,), lambda its: its.has("spring_only") and its.coupled,
               "{method} cannot follow it in a trap that couples the axes"),
     Forgotten((THERMAL,), lambda its: its.names_another_model, _WHERE_NAMED),
-    Forgotten((DETERMINISTIC, THERMAL, LINEAR), lambda its: its.problem.body is not None,
+    Forgotten((DETERMINISTIC, LINEAR), lambda its: its.problem.body is not None,
               "it is known for spheres only"),
 )  # fmt: skip
 

@@ -15,7 +15,7 @@ from tweezer.dynamics.budget import TIGHTER, same_steps
 from tweezer.dynamics.models import RATE_TIME
 from tweezer.dynamics.path import largest_distance
 from tweezer.scene import Scene, SceneLike, checked_scene
-from tweezer.values.errors import TweezerError
+from tweezer.values.errors import SceneError, TweezerError
 from tweezer.values.printed import printed, with_error
 from tweezer.values.rounding import time_taken
 from tweezer.values.shown import Card, Row, Shown, Table
@@ -169,6 +169,11 @@ def tune(
     [1.0, 0.01]
     """
     scene = checked_scene(scene).replace(medium={"inertia": "none", "poles": None})
+    if scene.bead.shape != "sphere":
+        raise SceneError(
+            f"bead.shape = {scene.bead.shape!r}: models and methods are compared for spheres; "
+            "allowed: 'sphere'"
+        )
     if duration is not None:
         scene = scene.replace(simulation={"duration": duration})
     scenes = scaled_scenes(scene, factors, method)

@@ -18,7 +18,7 @@ from tweezer.scene.bead import bead_properties
 from tweezer.scene.heading import heading, of_changes
 from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
-from tweezer.values.errors import ResultError
+from tweezer.values.errors import ResultError, SceneError
 from tweezer.values.prefixes import per
 from tweezer.viewing.arrays import Packed, float32
 from tweezer.viewing.content import Content, Row
@@ -43,6 +43,10 @@ _AS_THEY_ARE = {
 def content(dataset: xr.Dataset) -> Content:
     """Return the content of the page of a run. Raises `ResultError` if its scene is not valid."""
     run, scene = Run.of(dataset), scene_of(dataset)
+    if scene.bead.shape != "sphere":
+        raise SceneError(
+            f"bead.shape = {scene.bead.shape!r}: has no interactive page; use `tweezer run --plot`"
+        )
     if not np.isfinite(run["position"]).all():
         raise ResultError("contains samples without a position, which cannot be shown")
     problem = bound_once(scene)
