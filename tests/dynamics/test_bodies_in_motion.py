@@ -217,3 +217,43 @@ def test_rod_in_a_real_trap_takes_a_quarter_of_the_calls_of_lsoda():
     )  # fmt: skip
     assert angle(equations, other.y.T) > ours  # so that LSODA would need more calls still
     assert run.force_calls < equations.force_calls / 4
+
+
+def test_pair_of_two_densities_turns_its_heavy_sphere_down():
+    """A pendulum without inertia: tan(angle/2) falls at the rate lift times lever over drag."""
+    spheres = [
+        {"radius": "1 um", "density": "1050 kg/m^3", "position": [0, 0, "-1 um"]},
+        {"radius": "1 um", "density": "2000 kg/m^3", "position": [0, 0, "1 um"]},
+    ]
+    description = tweezer.load_scene("polystyrene-500nm").model_dump(exclude_none=True)
+    index = description["bead"]["refractive_index"]
+    description["bead"] = {
+        "shape": "spheres", "density": "1500 kg/m^3",
+        "spheres": [{"refractive_index": index, **each} for each in spheres],
+    }  # fmt: skip
+    angle = 0.3
+    scene = tweezer.load_scene(description).replace(
+        forces={"optical": False},
+        start={"position": [0, 0, 0], "orientation": [np.cos(angle / 2), np.sin(angle / 2), 0, 0]},
+        simulation={"model": "overdamped", "method": "exponential", **TIGHT, "loss_distance": 1},
+    )
+    gravity = scene.forces.gravitational_acceleration
+    masses = 4 / 3 * np.pi * 1e-18 * np.array([1050.0, 2000.0])
+    below = -masses @ [-1e-6, 1e-6] / masses.sum()  # of the centre of volume in the body
+    lift = scene.medium.density * gravity * 2 * 4 / 3 * np.pi * 1e-18
+    resistance = tweezer.resistance(scene).matrix
+    mobility = np.linalg.inv(resistance)
+    # the weight at the centre of mass turns it too, because that is not the centre of mobility
+    weight = (masses.sum() - scene.medium.density * 2 * 4 / 3 * np.pi * 1e-18) * gravity
+    rate = mobility[3, 3] * lift * below + mobility[3, 1] * weight
+    equations = bind(bound_once(scene))
+    times = np.linspace(0, 1.0, 5)
+    run = integrate(equations, times)
+    assert run.status == "complete", run.message
+    axis = Rotation.from_quat(
+        equations.motion(times, run.states).orientation, scalar_first=True
+    ).apply([0, 0, 1])
+    tilt = np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2])
+    exact = 2 * np.arctan(np.tan(angle / 2) * np.exp(-rate * times))
+    assert np.abs(tilt - angle).max() > 0.1
+    np.testing.assert_allclose(tilt, exact, atol=1e-8)

@@ -18,6 +18,7 @@ from tweezer.dynamics.linear import LinearMotion
 from tweezer.dynamics.needs import LINEAR, without_memory
 from tweezer.fluid import Drag, Modes, Stokes, by_axis, drag, modes, single
 from tweezer.forces.acting import forces_of, try_forces
+from tweezer.forces.buoyancy import BuoyancyTorque
 from tweezer.forces.composed import Sum
 from tweezer.forces.equilibria import (
     Equilibrium,
@@ -80,8 +81,8 @@ class Problem:
 
     @property
     def beside_the_light(self) -> tuple[Force, ...]:
-        """Forces of walls and the user's own forces."""
-        return *self.walls, *self.others
+        """Forces of walls, the torque of buoyancy, and the user's own forces."""
+        return *self.walls, *self._buoyancy, *self.others
 
     @property
     def walls_apart(self) -> tuple[Force, ...]:
@@ -90,8 +91,18 @@ class Problem:
 
     @property
     def beside_the_light_apart(self) -> tuple[Force, ...]:
-        """Forces of the walls except the contact forces, and the user's own forces."""
-        return *self.walls_apart, *self.others
+        """Forces of `beside_the_light` except the contact forces."""
+        return *self.walls_apart, *self._buoyancy, *self.others
+
+    @property
+    def _buoyancy(self) -> tuple[Force, ...]:
+        """Torque of buoyancy on a body of several densities; empty for any other."""
+        scene = self.scene
+        off = scene.body.centre_of_volume
+        if not (scene.forces.buoyancy and any(off)):
+            return ()
+        lift = self.bead.displaced_mass * scene.forces.gravitational_acceleration
+        return (BuoyancyTorque(lift, off),)
 
     @property
     def rotates(self) -> bool:
