@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
-from matplotlib.patches import Circle
+from matplotlib.patches import Circle, Polygon
 
 import tweezer
 from tests import readable
@@ -91,3 +91,26 @@ def test_thermal_records_have_panels_and_histograms_of_their_own(thermal):
     low, high = by_label["x (µm)"].get_ylim()
     inside = (1e6 * thermal["position"][:, 0] >= low) & (1e6 * thermal["position"][:, 0] <= high)
     assert sum(bar.get_width() for bar in histograms[0].patches) == int(inside.sum())
+
+
+def test_rod_is_drawn_at_its_orientation():
+    """A rod released at 45 degrees to z, in the plane of z and its lateral position."""
+    half = np.pi / 8
+    run = tweezer.simulate(
+        tweezer.load_scene("polystyrene-500nm").replace(
+            bead={"shape": "spheroid", "diameter": "0.4 um", "length": "0.8 um"},
+            forces={"optical": False, "brownian": False},
+            start={
+                "position": ["0 um", "1 um", "0 um"],
+                "orientation": [np.cos(half), -np.sin(half), 0, 0],  # its axis towards +y and +z
+            },
+            simulation={"duration": "1 us", "samples": 3},
+        )
+    )  # fmt: skip
+    patches = [each for each in run_figure(run).axes[0].patches if isinstance(each, Polygon)]
+    outlines = [each.get_xy() for each in patches if len(each.get_xy()) > 100]
+    assert len(outlines) == 2
+    points = outlines[0] - [1.0, 0.0]
+    far = points[np.linalg.norm(points, axis=1).argmax()]
+    assert np.linalg.norm(far) == pytest.approx(0.4, rel=1e-2)
+    assert far[0] / far[1] == pytest.approx(1, rel=0.05)

@@ -9,10 +9,12 @@ from matplotlib import colormaps
 from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
+from matplotlib.patches import Circle, Polygon
+from scipy.spatial.transform import Rotation
 
 from tweezer.dynamics import bound_once
 from tweezer.plots import style
+from tweezer.plots.body import outline
 from tweezer.plots.scene import (
     caveat_note,
     change_note,
@@ -120,7 +122,10 @@ def _notes(run: xr.Dataset, path: _Path) -> list[str]:
     notes = [f"Model: {model}. Method: {run.attrs['method']}."]
     if message := run.attrs["message"]:  # if it ended early
         notes.append(f"Ended early: {message}.")
-    told = "Open circle: bead at the release; filled: at the end; shaded: cone of light; +: focus."
+    shown = "circle" if scene_of(run).bead.shape == "sphere" else "outline"
+    told = (
+        f"Open {shown}: bead at the release; filled: at the end; shaded: cone of light; +: focus."
+    )
     if not np.array_equal(path.direction, [1.0, 0.0]):
         told += " The lateral position is counted towards the release."
     notes.append(told)
@@ -197,6 +202,22 @@ def _path(run: xr.Dataset) -> _Path:
     return _Path(lateral, z, direction, np.array(ends))
 
 
+def _outlines(
+    run: xr.Dataset, i: int, place: tuple[float, float], direction: Array
+) -> list[Circle | Polygon]:
+    """Return the outlines of the bead at sample `i` in the plane of z and a lateral direction.
+
+    `place` is its centre in this plane, um, and `direction` (2,) the direction across the light.
+    """
+    scene = scene_of(run)
+    if scene.bead.shape == "sphere":
+        return [Circle(place, scene.body.size * per("um"))]
+    to_plane = Rotation.from_euler("z", -np.arctan2(direction[1], direction[0]))
+    turned = to_plane * Rotation.from_quat(run["orientation"].values[i], scalar_first=True)
+    lines = outline(scene, turned.as_quat(scalar_first=True), "xz")
+    return [Polygon(points * per("um") + place) for points in lines]
+
+
 def _draw_path(axes: Axes, run: xr.Dataset, path: _Path) -> None:
     """Draw the path as distance from the axis against z, with colours that follow the time."""
     scene = scene_of(run)
@@ -229,10 +250,12 @@ def _draw_path(axes: Axes, run: xr.Dataset, path: _Path) -> None:
     if curve and not thermal:
         _draw_direction(axes, points, travelled, 0.02 * reach)
     for i, filled in ((0, False), (-1, True)):
-        axes.add_patch(
-            Circle((lateral[i], z[i]), radius, facecolor=style.BEAD if filled else "none",
-                   edgecolor=style.PATH, alpha=0.35 if filled else 0.9, lw=0.8, zorder=2)
-        )  # fmt: skip
+        for shape in _outlines(run, i, (lateral[i], z[i]), direction):
+            shape.set(
+                facecolor=style.BEAD if filled else "none", edgecolor=style.PATH,
+                alpha=0.35 if filled else 0.9, lw=0.8, zorder=2,
+            )  # fmt: skip
+            axes.add_patch(shape)
     below = z[len(z) // 2] > z[0]  # the side without the path
     axes.annotate(
         "release", (lateral[0], z[0] - radius if below else z[0] + radius), ha="center",
