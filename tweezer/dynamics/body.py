@@ -22,6 +22,7 @@ from tweezer.dynamics.layout import ROTATION, TRANSLATION
 from tweezer.scene import Scene
 from tweezer.scene.bead import BeadProperties, properties_with_drag
 from tweezer.values.arrays import Array
+from tweezer.values.errors import SceneError
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +80,7 @@ class BodyMotion:
 def body_motion(scene: Scene) -> BodyMotion | None:
     """Return the drag and inertia of the body of a scene; None for a sphere.
 
-    Raises `SceneError` for a body whose resistance cannot be computed.
+    Raises `SceneError` for a body whose resistance or added mass cannot be computed.
     """
     if scene.bead.shape == "sphere":
         return None
@@ -87,11 +88,25 @@ def body_motion(scene: Scene) -> BodyMotion | None:
 
     body = scene.body
     inertia = np.zeros((6, 6))
-    inertia[TRANSLATION, TRANSLATION], inertia[ROTATION, ROTATION] = (
-        body.mass * np.eye(3),
-        np.array(body.inertia),
-    )
+    inertia[TRANSLATION, TRANSLATION] = body.mass * np.eye(3)
+    inertia[ROTATION, ROTATION] = np.array(body.inertia)
+    if scene.medium.inertia == "added-mass":
+        inertia += np.diag(_added_mass(scene))
     return BodyMotion(np.array(resistance(scene).matrix), inertia)
+
+
+def _added_mass(scene: Scene) -> Array:
+    """Return the added inertia of a spheroid along and about its axes, (6,); refuse others."""
+    from tweezer.fluid.added_mass import ellipsoid_added_mass
+
+    bead = scene.bead
+    if bead.length is None:
+        raise SceneError(
+            "medium.inertia = 'added-mass': is known for spheres and spheroids; set medium.inertia "
+            "to none"
+        )
+    axes = (bead.radius, bead.radius, bead.length / 2)
+    return ellipsoid_added_mass(axes, scene.medium.density * scene.body.volume)
 
 
 def properties_of_body(scene: Scene, motion: BodyMotion) -> BeadProperties:
