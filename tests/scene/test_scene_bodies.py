@@ -13,7 +13,7 @@ from numpy.polynomial.legendre import leggauss
 from scipy.spatial.transform import Rotation
 
 import tweezer
-from tweezer.scene.solids import Cluster, Spheroid
+from tweezer.scene import solids
 from tweezer.trap import body as body_trap
 
 #: A good scene of a rod, key by key as TOML
@@ -53,12 +53,39 @@ def spheres(*listed, **more):
     return {**own, "bead.shape": '"spheres"', "bead.spheres": text, **more}
 
 
+def shaped(shape):
+    """Changes that make the good scene one of another shape."""
+    gone = ("diameter", "length", "refractive_index")
+    return {**{f"bead.{key}": ABSENT for key in gone}, "bead.shape": f'"{shape}"'}
+
+
+def profiled(points):
+    return {**shaped("profile"), "bead.points": f"[{points}]"}
+
+
+def matrix(above=0.0, below=0.0):
+    """A resistance whose elements couple motion along x and rotation about y."""
+    rows = [[(1e-8 if i < 3 else 1e-16) * (i == j) for j in range(6)] for i in range(6)]
+    rows[0][4], rows[4][0] = above, below
+    return f"resistance = {rows}, "
+
+
+RESISTANCE = matrix()
+
+
+def given(more, inertia="[1e-28, 1e-28, 1e-28]", **changes):
+    """Changes that make the good scene one of a body with given numbers."""
+    numbers = f"{more}mass = 1e-15, volume = 5e-19, inertia = {inertia}"
+    own = {"bead.diameter": '"1 um"', "bead.density": ABSENT, "bead.given": f"{{ {numbers} }}"}
+    return {**shaped("given"), **own, **changes}
+
+
 TREAMS = Path(__file__).parents[1] / "data" / "treams-cluster.tmat.h5"
 FILE = {
     "bead.shape": '"t-matrix"', "bead.length": ABSENT, "bead.refractive_index": ABSENT,
     "bead.diameter": '"0.4 um"', "bead.file": f'"{TREAMS}"',
 }  # fmt: skip
-SHAPES = "allowed: 'sphere', 'spheroid', 'spheres' or 't-matrix'"
+SHAPES = "allowed: 'sphere', 'spheroid', 'spheres', 't-matrix', 'ellipsoid', 'cylinder', "
 RANGE = "must be from 1e-18 to 1 m"
 
 #: id: (changes of the good scene, part of the line it is answered with)
@@ -202,6 +229,107 @@ BAD = {
     ),
     "file of too few modes": (
         {**FILE, "bead.diameter": "4e-6"}, "modes/l = 1 to 4: too few for a body of radius 2e-06 m"
+    ),
+    # other shapes
+    "ellipsoid with a length": (
+        {"bead.shape": '"ellipsoid"', "bead.diameter": ABSENT},
+        "bead.length: does not apply to shape = 'ellipsoid'; remove it, or set shape to spheroid, "
+        "cylinder or capsule",
+    ),
+    "ellipsoid with a diameter": (
+        {**shaped("ellipsoid"), "bead.diameter": '"1 um"', "bead.semi_axes": "[1e-6, 1e-6, 1e-6]"},
+        "bead.diameter = 1 um: cannot be combined with semi_axes",
+    ),
+    "ellipsoid without semi-axes": (
+        shaped("ellipsoid"),
+        "bead.semi_axes: missing; shape = 'ellipsoid' requires them",
+    ),
+    "light on an ellipsoid": (
+        {**shaped("ellipsoid"), "bead.semi_axes": "[1e-7, 2e-7, 3e-7]"},
+        "bead.t_matrix: missing; the light on an ellipsoid requires a T-matrix file, or set the "
+        "beam's power to 0",
+    ),
+    "light on a long ellipsoid": (
+        {**shaped("ellipsoid"), "bead.semi_axes": "[1e-7, 1e-7, 9e-7]",
+         "bead.refractive_index": "1.5"},
+        "bead.semi_axes = [1e-07, 1e-07, 9e-07]: the last is 9 times the others; spheroids are",
+    ),
+    "light on a cylinder": (
+        {**shaped("cylinder"), "bead.diameter": '"1 um"', "bead.length": '"2 um"'},
+        "bead.t_matrix: missing; the light on a cylinder requires a T-matrix file, or set the ",
+    ),
+    "cylinder with an index": (
+        {"bead.shape": '"cylinder"'},
+        "bead.refractive_index: does not apply to shape = 'cylinder', because the file has",
+    ),
+    "file of the light on a sphere": (
+        {"bead.shape": ABSENT, "bead.length": ABSENT, "bead.t_matrix": '"a.tmat.h5"'},
+        "bead.t_matrix: does not apply to shape = 'sphere'; remove it, or set shape to ellipsoid,",
+    ),
+    "short capsule": (
+        {**shaped("capsule"), "bead.diameter": '"1 um"', "bead.length": '"1 um"'},
+        "bead.length = 1e-06: must be above the diameter of the capsule, 1e-06 m",
+    ),
+    "profile off the axis": (
+        profiled("[1e-7, 0], [2e-7, 0], [0, 1e-7]"), "bead.points.0 = [1e-07, 0.0]: must be on the"
+    ),
+    "profile that touches the axis": (
+        profiled("[0, 0], [1e-7, 0], [0, 1e-7], [0, 2e-7]"), "bead.points.2 = [0.0, 1e-07]: must be"
+    ),
+    "profile that meets itself": (
+        profiled("[0, 0], [3e-7, 0], [3e-7, 2e-7], [1e-7, -1e-7], [0, 3e-7]"),
+        "bead.points: the lines from 0 and from 2 meet",
+    ),
+    "profile of a negative radius": (
+        profiled("[0, 0], [-1e-7, 0], [0, 1e-7]"), "bead.points.1.0 = -1e-07: must be from 0 to"
+    ),
+    "profile with a repeated point": (
+        profiled("[0, 0], [1e-7, 0], [1e-7, 0], [0, 1e-7]"), "bead.points: 1 and 2 are at the same"
+    ),
+    "mesh that does not exist": (
+        {**shaped("mesh"), "bead.file": '"no.stl"', "bead.scale": '"1 um"'},
+        "no.stl': no such file",
+    ),
+    "mesh without a scale": (
+        {**shaped("mesh"), "bead.file": '"no.stl"'},
+        "bead.scale: missing; shape = 'mesh' requires it",
+    ),
+    "mesh of another format": (
+        {**shaped("mesh"), "bead.file": '"no.txt"', "bead.scale": '"1 um"'},
+        "no.txt': a mesh must be a file .stl, .obj, .ply",
+    ),
+    "given body with a density": (
+        given(RESISTANCE, **{"bead.density": "1000"}),
+        "bead.density = 1000: cannot be combined with given; remove it",
+    ),
+    "given body without a matrix": (
+        given(""), "bead.given.resistance or diffusion: one is required"
+    ),
+    "given resistance and diffusion": (
+        given(RESISTANCE + RESISTANCE.replace("resistance", "diffusion")),
+        "bead.given.resistance or diffusion: give only one",
+    ),
+    "given diffusion without a temperature": (
+        given(RESISTANCE.replace("resistance", "diffusion")),
+        "bead.given.temperature: missing; diffusion requires it",
+    ),
+    "resistance that is not symmetric": (
+        given(matrix(1e-13)), "bead.given.resistance: opposite elements differ by 0.1 of the "
+    ),
+    "resistance that is not positive": (
+        given(matrix(-2e-12, -2e-12)),
+        "bead.given.resistance: has the eigenvalue -1 in units of its diagonal; must be positive",
+    ),
+    "resistance that is negative": (
+        given(RESISTANCE.replace("1e-08", "-1e-08")),
+        "bead.given.resistance: has -1e-08 on its diagonal; must be positive",
+    ),
+    "matrix of five rows": (
+        given("resistance = [[1], [2], [3], [4], [5]], "), "resistance = [[1], [2], [3], [4], [5]]"
+    ),
+    "inertia of no body": (
+        given(RESISTANCE, inertia="[1e-30, 1e-30, 3e-30]"),
+        "bead.given.inertia: the principal moments 1e-30, 1e-30, 3e-30 are of no body",
     ),
     # orientation
     "axis of no length": (
@@ -359,12 +487,11 @@ def moments(points, weights):
 TURNED = [Rotation.from_rotvec(each) for each in ([0, 0, 0], [0.4, -1.1, 0.7], [1, 2, 0.3])]
 
 
-@pytest.mark.parametrize(("across", "along"), [(0.2, 0.5), (0.5, 0.2), (0.3, 0.3)])
-def test_spheroid_has_the_moments_of_its_points(across, along):
-    axes = np.array([across, across, along])
+@pytest.mark.parametrize("axes", [(0.2, 0.2, 0.5), (0.5, 0.5, 0.2), (0.3, 0.2, 0.7)])
+def test_ellipsoid_has_the_moments_of_its_points(axes):
     points, weights = inside_unit_ball()
-    mass, centre, tensor = moments(points * axes, 3.0 * weights * axes.prod())
-    body = Spheroid(across, along, 3.0)
+    mass, centre, tensor = moments(points * axes, 3.0 * weights * np.prod(axes))
+    body = solids.Ellipsoid(axes, 3.0)
     assert body.mass == pytest.approx(mass, rel=1e-13)
     assert 3.0 * body.volume == pytest.approx(mass, rel=1e-13)
     assert np.abs(centre).max() < 1e-15
@@ -375,9 +502,9 @@ def test_spheroid_has_the_moments_of_its_points(across, along):
 
 
 @pytest.mark.parametrize("normal", [1.0, -1.0])
-def test_spheroid_touches_a_plane_with_its_lowest_point(normal):
-    axes = np.array([0.2, 0.2, 0.5])
-    body = Spheroid(0.2, 0.5, 1.0)
+def test_ellipsoid_touches_a_plane_with_its_lowest_point(normal):
+    axes = np.array([0.2, 0.3, 0.5])
+    body = solids.Ellipsoid((0.2, 0.3, 0.5), 1.0)
     theta, phi = np.meshgrid(np.linspace(0, np.pi, 801), np.linspace(0, 2 * np.pi, 801))
     surface = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
     points = surface.reshape(3, -1).T * axes
@@ -399,12 +526,19 @@ def test_cluster_has_the_moments_of_its_points():
     every = np.concatenate([c + r * points for c, r in zip(centres, radii, strict=True)])
     of_each = np.concatenate([mass * weights for mass in masses])
     mass, centre, tensor = moments(every, of_each)
-    body = Cluster([tuple(each) for each in centres], list(radii), list(densities))
+    listed = [
+        {"radius": r * 1e-6, "position": at * 1e-6, "density": rho * 1e3, "refractive_index": 1.5}
+        for at, r, rho in zip(np.add(centres, [1, 2, 3]), radii, densities, strict=True)
+    ]
+    body = tweezer.load_scene("silica-1um").replace(
+        bead={"shape": "spheres", "radius": None, "refractive_index": None, "spheres": listed}
+    ).body  # fmt: skip
+    mass, tensor, centres, radii = mass * 1e-15, tensor * 1e-27, centres * 1e-6, radii * 1e-6
     assert body.mass == pytest.approx(mass, rel=1e-13)
     assert np.abs(centre).max() < 1e-15
     assert np.array(body.inertia) == pytest.approx(tensor, abs=1e-13 * tensor.max())
-    assert body.moments_of_inertia == pytest.approx(np.linalg.eigvalsh(tensor), rel=1e-12)
-    assert body.centre_of_volume == pytest.approx(volumes @ centres / volumes.sum())
+    assert body.moments_of_inertia == pytest.approx(np.linalg.eigvalsh(tensor), rel=1e-12, abs=0)
+    assert body.centre_of_volume == pytest.approx(volumes @ centres / volumes.sum(), abs=1e-18)
     assert body.size == pytest.approx((np.linalg.norm(centres, axis=1) + radii).max())
     for normal in (1.0, -1.0):
         for turn in TURNED:
@@ -460,7 +594,8 @@ def test_density_of_a_sphere_is_its_own_or_that_of_the_bead_or_of_its_material(o
 
 def test_several_orientations_have_several_supports():
     orientations = np.array([each.as_quat(scalar_first=True) for each in TURNED])
-    for body in (Spheroid(0.2, 0.5, 1.0), Cluster([(0, 0, -1), (0, 0, 1)], [1, 1], [1, 1])):
+    rings = solids.Solid(1, 1, np.eye(3), [(0, 0, 1), (0, 0, -1)], rings=0.5)
+    for body in (solids.Ellipsoid((0.2, 0.3, 0.5), 1.0), rings):
         found = body.support(1.0, orientations)
         assert found.shape == (3,)
         assert found == pytest.approx([body.support(1.0, each) for each in orientations])
@@ -468,7 +603,7 @@ def test_several_orientations_have_several_supports():
 
 def test_bead_of_a_scene_is_the_body_of_its_shape():
     body = rod(density=1100).body
-    assert isinstance(body, Spheroid)
+    assert isinstance(body, solids.Ellipsoid)
     assert body.mass == pytest.approx(1100 * 4 / 3 * np.pi * 0.2**2 * 0.4 * 1e-18)
     listed = [{"diameter": d, "refractive_index": 1.5, "position": [1e-6, 0, z]}
               for d, z in ((2e-7, 0), (4e-7, 3e-7))]  # fmt: skip
@@ -476,7 +611,7 @@ def test_bead_of_a_scene_is_the_body_of_its_shape():
     scene = tweezer.load_scene("silica-1um").replace(bead=pair, optics={"theory": "waves"})
     # volumes 1 and 8: the centre is 8/9 of the way
     assert scene.bead.centres == pytest.approx(np.array([[0, 0, -8 / 3e7], [0, 0, 1 / 3e7]]))
-    assert isinstance(scene.body, Cluster)
+    assert isinstance(scene.body, solids.Solid)
     assert scene.bead.radius == scene.body.size == pytest.approx(1.1e-6 / 3)
     assert scene.replace(bead={"density": 900}).bead.radius == scene.bead.radius
 

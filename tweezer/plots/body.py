@@ -79,29 +79,29 @@ def outline(scene: Scene, orientation: Array, plane: str) -> list[Array]:
     Returns
     -------
     list of ndarray
-        One closed line for each sphere or spheroid. A body in a file has no outline; the sphere
-        that encloses it is returned.
+        One closed line for each sphere, and otherwise one for the convex hull of the body. A body
+        in a file or given has no outline; the sphere that encloses it is returned.
     """
     across, along = "xyz".index(plane[0]), "xyz".index(plane[1])
     frame = Rotation.from_quat(orientation, scalar_first=True).as_matrix()
     angle = np.linspace(0, 2 * np.pi, 181)
     circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     bead = scene.bead
-    if bead.length is not None:
-        axes = np.array([bead.radius, bead.radius, bead.length / 2])
-        # points of the ellipsoid whose normal lies in the plane: the support of each direction
-        normals = np.zeros((angle.size, 3))
-        normals[:, across], normals[:, along] = circle.T
-        within = normals @ frame
-        points = within * axes**2 / np.linalg.norm(within * axes, axis=1, keepdims=True)
-        return [(points @ frame.T)[:, [across, along]]]
     if bead.spheres is not None:
         centres = np.array(bead.centres) @ frame.T
         return [
             centre[[across, along]] + each.radius * circle
             for centre, each in zip(centres, bead.spheres, strict=True)
         ]
-    return [bead.radius * circle]
+    # points that touch planes all around: from the support and its derivative
+    angle = np.linspace(0, 2 * np.pi, 1441)
+    axis = np.cross(np.eye(3)[across], np.eye(3)[along])
+    turned = Rotation.from_rotvec(np.outer(np.pi / 2 - angle, axis)) * Rotation.from_matrix(frame)
+    reach = bead.body.support(-1.0, turned.as_quat(scalar_first=True)) * np.ones(angle.size)
+    slope = np.gradient(np.concatenate([reach[-2:-1], reach, reach[1:2]]), angle[1])[1:-1]
+    normal = np.stack([np.cos(angle), np.sin(angle)])
+    points = reach * normal + slope * np.stack([-normal[1], normal[0]])
+    return [points.T]
 
 
 def _draw_body(

@@ -121,17 +121,28 @@ class Evaluator:
 
 @dataclass(frozen=True)
 class Shape:
-    """A shape of the bead, with the keys that it requires beyond density and index."""
+    """A shape of the bead: its keys, and the code of its solid, its drag and its light."""
 
     name: str
     about: str
     """description in a few words"""
+    size: str
+    """its size in words, with keys of the bead in braces"""
+    solid: str
+    """"module:name" of the function that returns the `Body` of a bead"""
     t_matrix: str
-    """"module:name" of the function that returns the T-matrix of a scene's bead"""
+    """"module:name" of the function that returns the T-matrix of a bead"""
+    resistance: str = ""
+    """"module:name" of the function that returns the resistance matrix of a bead, its relative
+    error and the method; "" if the surface is not known"""
     needs: tuple[str, ...] = ()
-    """keys that it requires and that other shapes refuse"""
-    index: bool = True
-    """whether the bead requires a refractive index of its own"""
+    """keys that it requires"""
+    may: tuple[str, ...] = ()
+    """keys that it accepts; other shapes refuse these and the keys that they do not require"""
+    index: bool | None = True
+    """whether the bead requires a refractive index of its own; None if it may have one"""
+    sized: bool = True
+    """whether the bead has a `radius` or `diameter`; otherwise the radius follows from its shape"""
 
 
 def at(place: str) -> Any:
@@ -149,6 +160,8 @@ _METHODS = "tweezer.dynamics.integrators"
 _SCHEMES = "tweezer.dynamics.brownian"
 _OPTICS = "tweezer.optics"
 _BODIES = f"{_OPTICS}.bodies.shapes"
+_SOLIDS = "tweezer.scene.solids"
+_DRAG = "tweezer.fluid.resistance.of_shapes"
 
 MODELS: dict[str, Model] = _by_name(
     Model("full", "all inertia (A.25)", "full", inertia=True),
@@ -219,14 +232,38 @@ EVALUATORS: dict[str, Evaluator] = _by_name(
               symmetric=("rays",), mapped=True),
 )  # fmt: skip
 
+_FILE = f"{_BODIES}:from_key"
 SHAPES: dict[str, Shape] = _by_name(
-    Shape("sphere", "a sphere, homogeneous or in layers", f"{_BODIES}:sphere"),
+    Shape("sphere", "a sphere, homogeneous or in layers", "{diameter}",
+          "tweezer.scene.sphere:sphere", f"{_BODIES}:sphere", f"{_DRAG}:sphere",
+          may=("layers", "moments_of_inertia")),
     Shape("spheroid", "an ellipsoid of revolution, `diameter` across its axis and `length` along "
-          "it", f"{_BODIES}:spheroid", ("length",)),
-    Shape("spheres", "a rigid cluster of `spheres`", f"{_BODIES}:cluster", ("spheres",),
-          index=False),
+          "it", "spheroid, {diameter} across, {length} along its axis", f"{_SOLIDS}:spheroid",
+          f"{_BODIES}:spheroid", f"{_DRAG}:spheroid", ("length",)),
+    Shape("spheres", "a rigid cluster of `spheres`", "{spheres} spheres within {diameter}",
+          f"{_SOLIDS}:cluster", f"{_BODIES}:cluster", f"{_DRAG}:row", ("spheres",), index=False,
+          sized=False),
     Shape("t-matrix", "any body, with the T-matrix in a `file`; `diameter` encloses it",
-          f"{_BODIES}:from_file", ("file",), index=False),
+          "body in {file}, within {diameter}", "tweezer.scene.sphere:sphere",
+          f"{_BODIES}:from_file", needs=("file",), may=("moments_of_inertia",), index=False),
+    Shape("ellipsoid", "an ellipsoid with `semi_axes` along x, y and z of the body",
+          "ellipsoid with semi-axes {semi_axes}", f"{_SOLIDS}:ellipsoid", f"{_BODIES}:ellipsoid",
+          f"{_DRAG}:ellipsoid", ("semi_axes",), ("t_matrix",), index=None, sized=False),
+    Shape("cylinder", "a cylinder about z of the body, with `diameter` and `length`",
+          "cylinder, {diameter} across, {length} long", f"{_SOLIDS}:cylinder", _FILE,
+          f"{_DRAG}:cylinder", ("length",), ("t_matrix",), index=False),
+    Shape("capsule", "a cylinder with half spheres at its ends, `length` over all",
+          "capsule, {diameter} across, {length} long", f"{_SOLIDS}:capsule", _FILE,
+          f"{_DRAG}:capsule", ("length",), ("t_matrix",), index=False),
+    Shape("profile", "a body of revolution about z with the `points` of its profile",
+          "profile within {diameter}", f"{_SOLIDS}:profile", _FILE, f"{_DRAG}:profile",
+          ("points",), ("t_matrix",), index=False, sized=False),
+    Shape("mesh", "a closed mesh in a `file`", "mesh in {file}, within {diameter}",
+          "tweezer.scene.meshes:mesh", _FILE, f"{_DRAG}:mesh", ("file", "scale"), ("t_matrix",),
+          index=False, sized=False),
+    Shape("given", "any body with the numbers in `given`; `diameter` encloses it",
+          "given body within {diameter}", f"{_SOLIDS}:given", _FILE, f"{_DRAG}:given", ("given",),
+          ("t_matrix",), index=False),
 )  # fmt: skip
 
 

@@ -185,7 +185,7 @@ _COLUMNS = {"motion": ("positions", 3), "modulation": ("factors", 1)}
 def with_tables(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Return the data of a scene with the tables from files that its beams name.
 
-    File names are relative to `folder`; the file of a bead's T-matrix is named by its whole path. A
+    File names are relative to `folder`; the bead's mesh and T-matrix are named by the whole path. A
     row of the CSV file has a time, s, and then x, y, z, m,
     or a factor. The first row may be a heading. Raises `ValueError` for an invalid file.
     """
@@ -194,8 +194,11 @@ def with_tables(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         for key, value in data.items()
     }
     bead = found.get("bead")
-    if isinstance(bead, Mapping) and isinstance(bead.get("file"), str):
-        found["bead"] = {**bead, "file": str((folder / bead["file"]).absolute())}
+    if isinstance(bead, Mapping):
+        named = {key: bead[key] for key in ("file", "t_matrix") if isinstance(bead.get(key), str)}
+        found["bead"] = {**bead, **{
+            key: str((folder / file).absolute()) for key, file in named.items()
+        }}  # fmt: skip
     return found
 
 

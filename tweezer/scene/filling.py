@@ -16,7 +16,7 @@ from tweezer.scene.water import LIQUID, Water, water
 from tweezer.values.units import TEMPERATURE, to_si
 
 #: Shapes of a bead that has no refractive index of its own
-_WITHOUT_INDEX = [each.name for each in SHAPES.values() if not each.index]
+_WITHOUT_INDEX = [each.name for each in SHAPES.values() if each.index is False]
 
 
 def filled_in(data: dict[str, Any]) -> dict[str, Any]:

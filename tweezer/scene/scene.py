@@ -13,7 +13,6 @@ from typing import Any, Self
 
 from pydantic import ValidationError, model_validator
 
-from tweezer.scene.choices import SHAPES
 from tweezer.scene.courses import Section, with_tables
 from tweezer.scene.description import Description
 from tweezer.scene.files import read_scene, shipped_scenes
@@ -54,7 +53,7 @@ class Scene(Description):
         """
         bead, medium, motion = self.bead, self.medium, self.simulation
         index = bead.index if bead.index.imag else bead.index.real
-        indexed = f", index {index:.5g}" if SHAPES[bead.shape].index else ""
+        indexed = f", index {index:.5g}" if bead.indexed else ""
         viscosity = printed(medium.viscosity, "mPa s")
         power = sum(beam.power_through_pupil or beam.power or 0.0 for beam in self.beams)
         light = f"{printed(power, 'mW')} at {printed(self.beam.wavelength, 'nm')}"

@@ -38,6 +38,11 @@ class Sphere(Body):
         return self.size
 
 
+def sphere(bead: Any) -> Sphere:
+    """Return the sphere of a bead, which encloses a body in a T-matrix file."""
+    return Sphere(bead.radius, bead.density, bead.moments_of_inertia)
+
+
 def drag_of_translation(viscosity: float, radius: float) -> float:
     """Return the Stokes drag coefficient beta_v = 6 pi mu r (2.15), kg/s.
 

@@ -10,21 +10,14 @@ from scipy.spatial.transform import Rotation
 from tweezer.fluid.resistance import triangles
 from tweezer.fluid.resistance.ellipsoid import ellipsoid_resistance
 from tweezer.fluid.resistance.resistance import Resistance
-from tweezer.fluid.resistance.rings import Piece, arc, line, revolved_resistance
+from tweezer.fluid.resistance.rings import arc, line, revolved_resistance
 from tweezer.fluid.resistance.row import row_resistance
 from tweezer.fluid.resistance.triangles import mesh_resistance
 
 
 def ellipse(across, along):
     """Generating curve of a spheroid."""
-
-    def point(t):
-        return np.stack([across * np.sin(np.pi * t), along * np.cos(np.pi * t)], axis=1)
-
-    def speed(t):
-        return np.pi * np.stack([across * np.cos(np.pi * t), -along * np.sin(np.pi * t)], axis=1)
-
-    return [Piece(point, speed)]
+    return [arc(0.0, (across, along), 0.0, math.pi)]
 
 
 def cylinder(half, radius=1.0):
@@ -70,7 +63,6 @@ def test_rings_of_a_spheroid(across, along):
 CYLINDERS = {
     0.1: (16.8196, 12.7151, 12.5418, 14.7395),
     1.0: (22.63428, 22.82133, 48.70747, 39.84457),
-    5.0: (40.83946, 52.06661, 950.9421, 141.6282),
 }
 
 
@@ -93,8 +85,8 @@ def test_thin_cylinder_drags_as_a_disc():
 
 def test_body_drags_more_than_a_body_inside():
     half, a = 1.5, 1.0
-    capsule = [arc(half, a, 0, math.pi / 2), line((a, half), (a, -half)),
-               arc(-half, a, math.pi / 2, math.pi)]  # fmt: skip
+    capsule = [arc(half, (a, a), 0, math.pi / 2), line((a, half), (a, -half)),
+               arc(-half, (a, a), math.pi / 2, math.pi)]  # fmt: skip
     inner = ellipsoid_resistance((a, a, half + a), 1.0)
     middle, _ = revolved_resistance(capsule, 1.0)
     outer, _ = revolved_resistance(cylinder(half + a), 1.0)
@@ -104,7 +96,7 @@ def test_body_drags_more_than_a_body_inside():
 
 def test_two_unequal_spheres_by_rings_and_by_multipoles():
     """The two methods share nothing; the pair couples translation and rotation."""
-    arcs = [arc(0.4, 1.0, 0, math.pi), arc(-1.5, 0.5, 0, math.pi)]
+    arcs = [arc(0.4, (1, 1), 0, math.pi), arc(-1.5, (0.5, 0.5), 0, math.pi)]
     found, _ = revolved_resistance(arcs, 1.0)
     expected, _ = row_resistance(np.array([0.4, -1.5]), np.array([1.0, 0.5]), 1.0)
     assert abs(expected[0, 4]) > 1
@@ -125,8 +117,9 @@ def test_cone_about_another_point():
 
 
 @pytest.mark.parametrize("axes", [(1, 1, 1), (1, 1.5, 3)])
-def test_triangles_of_an_ellipsoid(axes):
+def test_triangles_of_an_ellipsoid(axes, monkeypatch):
     """An inscribed mesh drags less; enlarged to the true volume it drags as the ellipsoid."""
+    monkeypatch.setattr(triangles, "_LARGEST", 1280)
     corners = globe(2, axes)
     volume = abs(np.linalg.det(corners)).sum() / 6
     size = (4 / 3 * math.pi * math.prod(axes) / volume) ** (1 / 3)
@@ -151,8 +144,9 @@ def test_triangles_of_a_turned_and_moved_body(monkeypatch):
     np.testing.assert_allclose(frame.T @ back @ frame, here, atol=1e-3 * here.max())
 
 
-def test_cylinder_by_triangles_and_by_rings():
+def test_cylinder_by_triangles_and_by_rings(monkeypatch):
     """The prism of 16 sides is taken with the drag of the cylinder of its volume."""
+    monkeypatch.setattr(triangles, "_LARGEST", 1024)
     sides, half = 16, 1.0
     angle = 2 * np.pi * np.arange(sides + 1) / sides
     ring = np.stack([np.cos(angle), np.sin(angle), np.full_like(angle, half)], axis=1)

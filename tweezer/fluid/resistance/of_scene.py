@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-import numpy as np
-from scipy.spatial.transform import Rotation
+import functools
+from typing import Any
 
-from tweezer.fluid.resistance.ellipsoid import ellipsoid_resistance
 from tweezer.fluid.resistance.resistance import Resistance
-from tweezer.fluid.resistance.row import row_resistance
-from tweezer.scene import Scene, SceneLike, checked_scene
+from tweezer.scene import SceneLike, checked_scene
+from tweezer.scene.choices import SHAPES, at
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
 from tweezer.values.vectors import fixed
-
-#: Relative error of a closed form
-_ROUNDING = 1e-14
-#: Distance from a line that counts as rounding, as a part of the size of a cluster
-_ON_LINE = 1e-9
 
 
 def resistance(scene: SceneLike) -> Resistance:
@@ -27,7 +21,7 @@ def resistance(scene: SceneLike) -> Resistance:
     Parameters
     ----------
     scene : Scene, str or mapping
-        Scene of the bead: a sphere, a spheroid, or a cluster of spheres in a row.
+        Scene of the bead.
 
     Returns
     -------
@@ -37,7 +31,8 @@ def resistance(scene: SceneLike) -> Resistance:
     Raises
     ------
     SceneError
-        For another shape.
+        For a body whose surface is not known, a cluster of spheres that are not in a row, and a
+        mesh of too many triangles.
 
     Examples
     --------
@@ -46,37 +41,19 @@ def resistance(scene: SceneLike) -> Resistance:
     '9.44e-09 kg/s'
     """
     scene = checked_scene(scene)
-    bead, viscosity = scene.bead, scene.medium.viscosity
-    error, method = _ROUNDING, "Carlson's elliptic integrals"
-    if bead.shape == "sphere":
-        matrix = ellipsoid_resistance((bead.radius,) * 3, viscosity)
-    elif bead.length is not None:
-        axes = (bead.radius, bead.radius, bead.length / 2)
-        matrix = ellipsoid_resistance(axes, viscosity)
-    elif bead.spheres is not None:
-        matrix, error = _of_row(scene)
-        method = "multipoles about each sphere"
-    else:
-        raise SceneError(
-            f"bead.shape = {bead.shape!r}: the resistance requires the surface of the body; "
-            "allowed: 'sphere', 'spheroid', 'spheres'"
-        )
+    matrix, error, method = _kept(scene.bead, scene.medium.viscosity)
     return Resistance(fixed(matrix), scene.medium.temperature, error, method)
 
 
-def _of_row(scene: Scene) -> tuple[Array, float]:
-    """Return the resistance of a cluster of spheres in a row, and its relative error."""
-    bead = scene.bead
-    assert bead.spheres is not None
-    centres, radii = np.array(bead.centres), np.array([each.radius for each in bead.spheres])
-    _, sizes, axes = np.linalg.svd(np.concatenate([centres, np.zeros((3, 3))]))
-    if sizes[1] > _ON_LINE * bead.radius:
+@functools.lru_cache(maxsize=16)
+def _kept(bead: Any, viscosity: float) -> tuple[Array, float, str]:
+    """Return matrix, relative error and method of a bead's resistance; the last few are kept."""
+    place = SHAPES[bead.shape].resistance
+    if not place:
+        allowed = ", ".join(repr(each.name) for each in SHAPES.values() if each.resistance)
         raise SceneError(
-            "bead.spheres: the resistance is computed for spheres in a row; the centres deviate "
-            f"from a line by {sizes[1]:.3g} m"
+            f"bead.shape = {bead.shape!r}: the resistance requires the surface of the body; "
+            f"allowed: {allowed}"
         )
-    axis = axes[0]
-    matrix, error = row_resistance(centres @ axis, radii, scene.medium.viscosity)
-    to_axis = Rotation.align_vectors(axis, [0.0, 0.0, 1.0])[0].as_matrix()
-    turned = np.kron(np.eye(2), to_axis)
-    return turned @ matrix @ turned.T, error
+    found: tuple[Array, float, str] = at(place)(bead, viscosity)
+    return found

@@ -55,11 +55,9 @@ class Resistance(Shown):
 
     def at(self, point: Array) -> Resistance:
         """Return the resistance about another point, (3,) m, in the body's frame."""
-        x, y, z = point
-        shift = np.eye(6)
-        shift[:3, 3:] = [[0, -z, y], [z, 0, -x], [-y, x, 0]]
-        moved = fixed(shift.T @ self.matrix @ shift)
-        return Resistance(moved, self.temperature, self.error, self.method)
+        return Resistance(
+            fixed(moved(self.matrix, point)), self.temperature, self.error, self.method
+        )
 
     def card(self) -> Card:
         """Return the card with drag, diffusion coefficients and centre of mobility."""
@@ -75,3 +73,12 @@ class Resistance(Shown):
             Row("method", self.method, detail=True),
         )
         return Card("Resistance", "", rows)
+
+
+def moved(matrix: Array, point: Array) -> Array:
+    """Return a resistance matrix about another point, (3,) m from its own, in the same frame."""
+    x, y, z = point
+    shift = np.eye(6)
+    shift[:3, 3:] = [[0, -z, y], [z, 0, -x], [-y, x, 0]]
+    found: Array = shift.T @ matrix @ shift
+    return found

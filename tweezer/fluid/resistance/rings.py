@@ -16,7 +16,7 @@ Therefore equal steps in u converge exponentially.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -29,12 +29,16 @@ Indices: TypeAlias = NDArray[np.intp]
 
 
 class Piece(NamedTuple):
-    """Smooth piece of a generating curve, for a parameter from 0 to 1."""
+    """Straight line or part of an ellipse of a generating curve, for a parameter from 0 to 1.
 
-    point: Callable[[Array], Array]
-    """r and z at parameters (n,), as (n, 2) m"""
-    speed: Callable[[Array], Array]
-    """their derivatives with respect to the parameter, (n, 2) m"""
+    The place is r, z = start + t step + radii (sin, cos)(angle + t turn).
+    """
+
+    start: tuple[float, float] = (0.0, 0.0)
+    step: tuple[float, float] = (0.0, 0.0)
+    radii: tuple[float, float] = (0.0, 0.0)
+    angle: float = 0.0
+    turn: float = 0.0
 
 
 class _Division(NamedTuple):
@@ -67,25 +71,15 @@ _MEANS = 8
 
 def line(start: tuple[float, float], end: tuple[float, float]) -> Piece:
     """Return a straight piece between two points r, z, m."""
-    first, whole = np.array(start), np.subtract(end, start)
-    return Piece(
-        lambda t: first + t[:, None] * whole, lambda t: np.broadcast_to(whole, (t.size, 2))
-    )
+    return Piece(start, (end[0] - start[0], end[1] - start[1]))
 
 
-def arc(height: float, radius: float, start: float, end: float) -> Piece:
-    """Return a circular arc about a point on the axis, between two angles from +z, rad."""
-    whole = end - start
+def arc(height: float, radii: tuple[float, float], start: float, end: float) -> Piece:
+    """Return a part of an ellipse about a point on the axis, between two angles from +z, rad.
 
-    def point(t: Array) -> Array:
-        angle = start + t * whole
-        return np.stack([radius * np.sin(angle), height + radius * np.cos(angle)], axis=1)
-
-    def speed(t: Array) -> Array:
-        angle = start + t * whole
-        return radius * whole * np.stack([np.cos(angle), -np.sin(angle)], axis=1)
-
-    return Piece(point, speed)
+    `height` is of the point along z, m, and `radii` are the semi-axes along r and z, m.
+    """
+    return Piece((0.0, height), (0.0, 0.0), radii, start, end - start)
 
 
 def revolved_resistance(pieces: Sequence[Piece], viscosity: float) -> tuple[Array, float]:
@@ -105,69 +99,83 @@ def revolved_resistance(pieces: Sequence[Piece], viscosity: float) -> tuple[Arra
     error : float
         Largest relative change of an element of the diagonal from a coarser division.
     """
-    ends = np.array([0.0, 1.0])
-    unit = max(float(np.abs(each.point(ends)).max()) for each in pieces)
+    unit = float(np.abs(_Curve.of(pieces).places(np.arange(len(pieces)), np.ones(1))[0]).max())
     coarse, fine = (_matrix(_panels(pieces, unit, division)) for division in (_COARSE, _FINE))
     change = np.abs(np.diag(coarse) / np.diag(fine) - 1).max()
     scale = np.array([1.0, 1.0, 1.0, unit, unit, unit])
     return viscosity * unit * scale[:, None] * scale * fine, float(change) + 1e-11
 
 
+class _Curve(NamedTuple):
+    """Pieces of a curve as arrays."""
+
+    start: Array
+    step: Array
+    radii: Array
+    angle: Array
+    turn: Array
+
+    @classmethod
+    def of(cls, pieces: Sequence[Piece], unit: float = 1.0) -> _Curve:
+        """Return the curve of these pieces, in a unit of length, m."""
+        start, step, radii, angle, turn = (
+            np.array(each, float) for each in zip(*pieces, strict=True)
+        )
+        return cls(start / unit, step / unit, radii / unit, angle, turn)
+
+    def places(self, piece: Indices, t: Array) -> tuple[Array, Array]:
+        """Return r and z at parameters of pieces, and the derivatives, (n, 2) each."""
+        turn, radii = self.turn[piece], self.radii[piece]
+        angle = self.angle[piece] + t * turn
+        wave = np.stack([np.sin(angle), np.cos(angle)], axis=1)
+        point = self.start[piece] + t[:, None] * self.step[piece] + radii * wave
+        speed = self.step[piece] + (radii * turn[:, None]) * wave[:, ::-1] * [1.0, -1.0]
+        return point, speed
+
+
 class _Panels(NamedTuple):
     """Panels of a curve, in units of the body's size."""
 
-    pieces: Sequence[Piece]
+    curve: _Curve
     piece: Indices
     """number of the piece of each panel"""
     start: Array
     """parameter of its piece at which each panel starts"""
     end: Array
     """parameter at which it ends"""
-    unit: float
-    """unit of length, m"""
     nodes: int
     """nodes of a panel"""
 
     def places(self, panel: Indices, t: Array) -> tuple[Array, Array]:
         """Return r and z at parameters of panels, (n, 2), and the speeds along the curve, (n,)."""
-        point, length = np.empty((t.size, 2)), np.empty(t.size)
-        of = self.piece[panel]
-        for i, piece in enumerate(self.pieces):
-            chosen = np.flatnonzero(of == i)
-            point[chosen] = piece.point(t[chosen]) / self.unit
-            speed = piece.speed(t[chosen])
-            length[chosen] = np.hypot(speed[:, 0], speed[:, 1]) / self.unit
-        return point, length
+        point, speed = self.curve.places(self.piece[panel], t)
+        return point, np.hypot(speed[:, 0], speed[:, 1])
 
 
 def _panels(pieces: Sequence[Piece], unit: float, division: _Division) -> _Panels:
     """Divide a curve into panels, graded towards its edges."""
-    ends = np.array([0.0, 1.0])
-    tangents = [each.speed(ends) for each in pieces]
-    angles = [np.arctan2(each[:, 0], each[:, 1]) for each in tangents]
-    found: list[int] = []
+    curve, within = _Curve.of(pieces, unit), np.linspace(0, 1, 65)
+    piece: list[int] = []
     starts: list[float] = []
     stops: list[float] = []
-    for i, piece in enumerate(pieces):
-        within = np.linspace(0, 1, 65)
-        points, direction = piece.point(within), piece.speed(within)
+    sampled = [curve.places(np.full(65, i), within) for i in range(len(pieces))]
+    ends = [np.arctan2(*speed[[0, -1]].T) for _, speed in sampled]
+    for i, (points, _) in enumerate(sampled):
         length = np.hypot(*np.diff(points, axis=0).T).sum()
-        turned = np.abs(np.diff(np.unwrap(np.arctan2(direction[:, 0], direction[:, 1])))).sum()
         count = max(1, math.ceil(length / (division.longest * points[:, 0].max()) - 1e-9),
-                    math.ceil(turned / division.turn - 1e-9))  # fmt: skip
+                    math.ceil(abs(pieces[i].turn) / division.turn - 1e-9))  # fmt: skip
         marks = np.linspace(0, 1, count + 1)
-        before = abs(angles[i][0] - angles[i - 1][1]) if i else 0.0
-        after = abs(angles[i + 1][0] - angles[i][1]) if i + 1 < len(pieces) else 0.0
+        before = abs(ends[i][0] - ends[i - 1][1]) if i else 0.0
+        after = abs(ends[i + 1][0] - ends[i][1]) if i + 1 < len(pieces) else 0.0
         lower, upper = (_levels(each, division.levels) for each in (before, after))
-        width = marks[1]
-        share = 0.5 if count == 1 and lower and upper else 1.0
-        low = width * share * _GRADING ** np.arange(lower, 0, -1)
-        high = 1 - width * share * _GRADING ** np.arange(1, upper + 1)
+        width = marks[1] * (0.5 if count == 1 and lower and upper else 1.0)
+        low = width * _GRADING ** np.arange(lower, 0, -1)
+        high = 1 - width * _GRADING ** np.arange(1, upper + 1)
         marks = np.unique(np.concatenate([marks, low, high]))
-        found += [i] * (marks.size - 1)
+        piece += [i] * (marks.size - 1)
         starts += list(marks[:-1])
         stops += list(marks[1:])
-    return _Panels(pieces, np.array(found), np.array(starts), np.array(stops), unit, division.nodes)
+    return _Panels(curve, np.array(piece), np.array(starts), np.array(stops), division.nodes)
 
 
 def _levels(turn: float, most: int) -> int:

@@ -96,14 +96,39 @@ def sphere(bead: Any, wavenumber: float, refractive_index: float) -> TMatrix:
 
 def spheroid(bead: Any, wavenumber: float, refractive_index: float) -> TMatrix:
     """Return the T-matrix of a spheroid, by the extended boundary condition method."""
+    across, along = bead.radius, bead.length / 2
+    said = f"length = {bead.length:.4g}: is {along / across:.3g} times bead.diameter"
+    return _revolved(bead, across, along, said, wavenumber, refractive_index)
+
+
+def ellipsoid(bead: Any, wavenumber: float, refractive_index: float) -> TMatrix:
+    """Return the T-matrix of an ellipsoid: of a file, or of a spheroid about z."""
+    x, y, z = bead.semi_axes
+    if bead.t_matrix is not None or x != y:
+        return from_key(bead, wavenumber, refractive_index)
+    if not bead.indexed:
+        raise SceneError(
+            "bead.refractive_index: missing; the light on an ellipsoid requires it, or the file "
+            "bead.t_matrix"
+        )
+    said = f"semi_axes = {list(bead.semi_axes)}: the last is {z / x:.3g} times the others"
+    return _revolved(bead, x, z, said, wavenumber, refractive_index)
+
+
+def _revolved(
+    bead: Any, across: float, along: float, said: str, wavenumber: float, refractive_index: float
+) -> TMatrix:
+    """Return the T-matrix of a spheroid with these semi-axes, m.
+
+    `said` is the key of the semi-axes with their ratio, for messages.
+    """
     from tweezer.optics.bodies.spheroid import spheroid_t_matrix
 
-    across, along = bead.radius, bead.length / 2
     aspect = along / across
     if not 1 / _LARGEST_ASPECT <= aspect <= _LARGEST_ASPECT:
         raise SceneError(
-            f"bead.length = {bead.length:.4g}: is {aspect:.3g} times bead.diameter; spheroids are "
-            f"computed from 1/{_LARGEST_ASPECT:g} to {_LARGEST_ASPECT:g} times"
+            f"bead.{said}; spheroids are computed from 1/{_LARGEST_ASPECT:g} to "
+            f"{_LARGEST_ASPECT:g} times"
         )
     _small_enough(bead, wavenumber, max(across, along), _LARGEST_SPHEROID)
     index = bead.index / refractive_index
@@ -126,16 +151,33 @@ def cluster(bead: Any, wavenumber: float, refractive_index: float) -> TMatrix:
 
 
 def from_file(bead: Any, wavenumber: float, refractive_index: float) -> TMatrix:
-    """Return the T-matrix of a file, for the light and the medium of a scene."""
+    """Return the T-matrix of the file that is the body, for the light and medium of a scene."""
+    return _read(bead, "file", wavenumber, refractive_index)
+
+
+def from_key(bead: Any, wavenumber: float, refractive_index: float) -> TMatrix:
+    """Return the T-matrix of the file of a body of some other shape."""
+    if bead.t_matrix is None:
+        article = "an" if bead.shape == "ellipsoid" else "a"
+        shape = "given body" if bead.shape == "given" else bead.shape
+        raise SceneError(
+            f"bead.t_matrix: missing; the light on {article} {shape} requires a T-matrix file, or "
+            "set the beam's power to 0"
+        )
+    return _read(bead, "t_matrix", wavenumber, refractive_index)
+
+
+def _read(bead: Any, key: str, wavenumber: float, refractive_index: float) -> TMatrix:
+    """Return the T-matrix in the file that a key of the bead names."""
     from tweezer.optics.bodies.files import load_t_matrix
 
     try:
         found: TMatrix = load_t_matrix(
-            bead.file, wavelength=2 * math.pi * refractive_index / wavenumber,
-            refractive_index=refractive_index, radius=bead.radius,
+            getattr(bead, key), wavelength=2 * math.pi * refractive_index / wavenumber,
+            refractive_index=refractive_index, radius=bead.body.size,
         )  # fmt: skip
     except SceneError as error:
-        raise SceneError(f"bead.file = {error}") from None
+        raise SceneError(f"bead.{key} = {error}") from None
     return found
 
 

@@ -1,7 +1,9 @@
 from .alternatives import ALTERNATIVES, BELONGING, FILLED, NAMED, WITHIN_LAYERS, Filled
-from .bead import Bead, Layer, Medium, Wall
+from .bead import Bead
 from .light import Beam, Cover, Lens, Optics
+from .medium import Medium, Wall
 from .motion import MOST_SAMPLES, Camera, Dlvo, Forces, Simulation, Start
+from .shapes import Layer
 
 __all__ = [
     "ALTERNATIVES",

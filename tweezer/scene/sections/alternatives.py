@@ -13,6 +13,7 @@ from pydantic import (
     model_validator,
 )
 
+from tweezer.scene.choices import SHAPES
 from tweezer.scene.courses import Section, refusal
 from tweezer.values.units import to_si
 
@@ -23,15 +24,24 @@ ALTERNATIVES: dict[str, tuple[tuple[str, str], ...]] = {
     "bead.spheres": (("radius", "diameter"),),
     "beam": (("power", "power_through_pupil"), ("sigma", "waist")),
 }
+#: Shapes that accept each key that not all accept
+ACCEPTING: dict[str, tuple[str, ...]] = {
+    key: tuple(each.name for each in SHAPES.values() if key in each.needs + each.may)
+    for key in dict.fromkeys(key for each in SHAPES.values() for key in each.needs + each.may)
+}
 #: Keys that belong to some choices of another key, and are refused with other choices
 BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
     "bead": {
-        "length": ("shape", ("spheroid",)),
-        "spheres": ("shape", ("spheres",)),
-        "file": ("shape", ("t-matrix",)),
-        "layers": ("shape", ("sphere",)),
-        "radius": ("shape", ("sphere", "spheroid", "t-matrix")),
-        "refractive_index": ("shape", ("sphere", "spheroid")),
+        **{key: ("shape", names) for key, names in ACCEPTING.items()},
+        "radius": ("shape", tuple(each.name for each in SHAPES.values() if each.sized)),
+        **dict.fromkeys(
+            ("density", "material"),
+            ("shape", tuple(each.name for each in SHAPES.values() if "given" not in each.needs)),
+        ),
+        "refractive_index": (
+            "shape",
+            tuple(each.name for each in SHAPES.values() if each.index is not False),
+        ),
     },
     "beam": {
         "sigma": ("profile", ("gaussian", "donut")),

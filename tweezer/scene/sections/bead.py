@@ -1,30 +1,35 @@
-"""Sections of a scene: the bead and its layers, the medium, the wall."""
+"""Section of a scene: the bead."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
+from typing import Annotated, Any, Self
 
-from pydantic import Field, StrictInt, ValidationInfo, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
 from tweezer.scene.body import Body
-from tweezer.scene.choices import INERTIAS, SHAPES, told
+from tweezer.scene.choices import SHAPES, at, told
 from tweezer.scene.courses import refusal
-from tweezer.scene.sections.alternatives import WITHIN_LAYERS, Filled, with_half
+from tweezer.scene.sections.alternatives import WITHIN_LAYERS, with_half
+from tweezer.scene.sections.given import Given
 from tweezer.scene.sections.shapes import (
     ClusterSpheres,
+    Layers,
     MaterialName,
+    ProfilePoints,
     Round,
+    SemiAxes,
     ShapeName,
     centre_of_mass,
     check_apart,
     check_keys,
-    densities,
-    enclosing_radius,
+    check_profile,
+    follows,
 )
-from tweezer.scene.sphere import Sphere
+from tweezer.values.errors import SceneError
 from tweezer.values.printed import printed
 from tweezer.values.units import (
     BEAD_RADIUS,
@@ -33,43 +38,10 @@ from tweezer.values.units import (
     Density,
     MomentOfInertia,
     PositiveLength,
-    RefractiveIndex,
-    Temperature,
-    Viscosity,
-    WallPosition,
     entries,
 )
 
-if TYPE_CHECKING:
-    InertiaName: TypeAlias = str
-else:
-    InertiaName = Literal[tuple(INERTIAS)]
 Moments = Annotated[tuple[MomentOfInertia, MomentOfInertia, MomentOfInertia], entries(3)]
-
-
-class Layer(Round):
-    """A layer of a bead: the core, or a shell about the layer before. `diameter` may replace
-    `radius`.
-    """
-
-    radius: BeadRadius = Field(description="outer radius")
-    material: MaterialName | None = Field(
-        None,
-        description="material of the layer, which sets its refractive index at the wavelength of "
-        "the beam",
-    )
-    refractive_index: ComplexIndex = Field(
-        description="refractive index, real or complex; not needed with a `material`"
-    )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _size(cls, data: Any) -> Any:
-        """Replace a diameter in the data by the radius."""
-        return with_half(data, "radius", "diameter", *BEAD_RADIUS)
-
-
-Layers = Annotated[tuple[Layer, ...], entries(1, 20)]
 
 
 class Bead(Round):
@@ -78,27 +50,49 @@ class Bead(Round):
     """
 
     shape: ShapeName = Field("sphere", description=f"shape of the bead; {told(SHAPES.values())}")
-    length: PositiveLength | None = Field(None, description="length of a spheroid along its axis")
+    length: PositiveLength | None = Field(
+        None, description="length of a spheroid, cylinder or capsule along its axis"
+    )
+    semi_axes: SemiAxes | None = Field(
+        None, description="semi-axes of an ellipsoid along x, y and z of the body"
+    )
     spheres: ClusterSpheres | None = Field(
         None,
         description="spheres of a rigid cluster, whose centre of mass is the bead position",
     )
+    points: ProfilePoints | None = Field(
+        None,
+        description="radius and height of each corner of a profile, from the axis to the axis",
+    )
     file: str | None = Field(
-        None, description="file .tmat.h5 with the T-matrix of the body in the standard format"
+        None,
+        description="file .tmat.h5 with the T-matrix of the body in the standard format, about "
+        "its centre of mass; of a mesh the file .stl, .obj or .ply",
+    )
+    scale: PositiveLength | None = Field(
+        None, description="length of one unit of the file of a mesh"
+    )
+    given: Given | None = Field(None, description="mass, inertia and drag of a body")
+    t_matrix: str | None = Field(
+        None,
+        description="file .tmat.h5 with the T-matrix of an ellipsoid, cylinder, capsule, profile, "
+        "mesh or given body about its centre of mass; not needed without light",
     )
     layers: Layers | None = Field(
         None,
         description="concentric layers from the core outwards, for coated or hollow beads",
     )
     density: Density = Field(
+        None,
+        validate_default=True,
         description="mean density of the bead, rho_b (Table B.1); in a cluster, of the spheres "
-        "without their own; not needed with a `material`, or if every layer or sphere has one"
+        "without their own; not needed with a `material`, or if every layer or sphere has one",
     )
     radius: BeadRadius = Field(
         None,
         validate_default=True,
-        description="radius r; with layers that of the outermost; of a spheroid across its axis; "
-        "of a body in a file that of the sphere that encloses it",
+        description="radius r; with layers that of the outermost; of a spheroid, cylinder or "
+        "capsule across its axis; of a body in a file or given that of the enclosing sphere",
     )
     material: MaterialName | None = Field(
         None,
@@ -120,13 +114,14 @@ class Bead(Round):
         """Replace a diameter in the data by the radius; refuse size and index beside layers."""
         if not isinstance(data, dict):
             return data
-        if data.get("shape") == "spheres" and data.get("spheres") is None:
-            raise refusal("spheres: missing; shape = 'spheres' requires them")
-        if data.get("spheres") is not None:
+        if reason := follows(data):
             for key in ("radius", "diameter"):
                 if data.get(key) is not None:
-                    raise refusal(f"{key} = {data[key]}: cannot be combined with spheres")
+                    raise refusal(f"{key} = {data[key]}: cannot be combined with {reason}")
             return data
+        for key in ("material", "density") if data.get("given") is not None else ():
+            if data.get(key) is not None:
+                raise refusal(f"{key} = {data[key]}: cannot be combined with given; remove it")
         if data.get("layers") is None:
             return with_half(data, "radius", "diameter", *BEAD_RADIUS)
         for key in WITHIN_LAYERS:
@@ -136,25 +131,49 @@ class Bead(Round):
                 )
         return data
 
+    @field_validator("density", mode="before")
+    @classmethod
+    def _mean(cls, value: Any, info: ValidationInfo) -> Any:
+        """Return the density, which follows from mass and volume if these are given."""
+        if "given" not in info.data:  # which is not valid
+            return 1000.0
+        of = info.data["given"]
+        if of is None and value is None:
+            raise PydanticCustomError("missing", "Field required")
+        return value if of is None else of.mass / of.volume
+
     @field_validator("radius", mode="before")
     @classmethod
     def _outermost(cls, value: Any, info: ValidationInfo) -> Any:
-        """Return the radius of the outermost layer, or the one that encloses a cluster."""
-        spheres = info.data.get("spheres", ())  # missing from the data if they are not valid
-        if spheres is not None:
-            density = info.data.get("density")
-            return enclosing_radius(spheres, density) if spheres and density else BEAD_RADIUS[0]
-        layers = info.data.get("layers", ())
+        """Return the radius of the outermost layer, or a first value if it follows."""
+        shape = SHAPES.get(info.data.get("shape", ""))
+        if shape is None or not shape.sized:
+            return BEAD_RADIUS[0]
+        layers = info.data.get("layers", ())  # missing from the data if they are not valid
         if layers is None:
             return value
         return layers[-1].radius if layers else BEAD_RADIUS[0]
 
     @model_validator(mode="after")
     def _some_shape(self) -> Self:
-        """Refuse keys of another shape, missing keys and spheres that overlap."""
+        """Refuse keys of another shape, missing keys and impossible bodies; enclose the body."""
         check_keys(self.shape, vars(self))
         if self.spheres is not None:
             check_apart(self.spheres)
+        if self.points is not None:
+            check_profile(self.points)
+        try:
+            size = self.body.size
+        except SceneError as error:
+            raise refusal(str(error)) from None
+        if not SHAPES[self.shape].sized:
+            low, high = BEAD_RADIUS
+            if not low <= size <= high:
+                raise refusal(
+                    f"shape = {self.shape!r}: the body reaches {size:.4g} m from its centre of "
+                    f"mass; must be from {low:g} to {high:g} m"
+                )
+            self.__dict__["radius"] = size
         return self
 
     @model_validator(mode="after")
@@ -170,7 +189,9 @@ class Bead(Round):
 
     def _unsaid(self) -> frozenset[str]:
         """Return the keys omitted when the bead is written: those that follow from others."""
-        follow = set() if self.layers is None and self.spheres is None else {"radius"}
+        follow = {"density"} if self.given is not None else set()
+        if self.layers is not None or not SHAPES[self.shape].sized:
+            follow.add("radius")
         return self.filled | follow | ({"shape"} if self.shape == "sphere" else set())
 
     @property
@@ -192,27 +213,16 @@ class Bead(Round):
 
         A body in a T-matrix file has the size and mass of the sphere that encloses it.
         """
-        if self.length is None and self.spheres is None:
-            return Sphere(self.radius, self.density, self.moments_of_inertia)
-        from tweezer.scene.solids import Cluster, Spheroid  # imports NumPy
-
-        if self.length is not None:
-            return Spheroid(self.radius, self.length / 2, self.density)
-        spheres = self.spheres or ()
-        radii = [each.radius for each in spheres]
-        return Cluster(self.centres, radii, densities(spheres, self.density))
+        found: Body = at(SHAPES[self.shape].solid)(self)
+        return found
 
     @property
     def size_in_words(self) -> str:
         """Size of the bead with its shape, unless it is a sphere."""
-        diameter = printed(self.diameter, "um")
-        if self.length is not None:
-            return f"spheroid, {diameter} across, {printed(self.length, 'um')} along its axis"
-        if self.spheres is not None:
-            return f"{len(self.spheres)} spheres within {diameter}"
-        return (
-            diameter if self.file is None else f"body in {Path(self.file).name}, within {diameter}"
-        )
+        lengths = {"diameter": self.diameter, "length": self.length, "semi_axes": self.semi_axes}
+        said = {key: printed(each, "um") for key, each in lengths.items() if each is not None}
+        said |= {"spheres": str(len(self.spheres or ())), "file": Path(self.file or "").name}
+        return SHAPES[self.shape].size.format(**said)
 
     @property
     def centres(self) -> list[tuple[float, float, float]]:
@@ -225,6 +235,11 @@ class Bead(Round):
     def index(self) -> complex:
         """Refractive index n_P; for layers that of the outermost."""
         return self.shells[-1][1]
+
+    @property
+    def indexed(self) -> bool:
+        """Whether the bead as a whole has a refractive index."""
+        return self.layers is not None or self.refractive_index is not None
 
     @property
     def absorbs(self) -> bool:
@@ -249,80 +264,3 @@ class Bead(Round):
 def _complex(index: float | tuple[float, float]) -> complex:
     """Return a refractive index, a number or a pair of real and imaginary part, as complex."""
     return complex(*index) if isinstance(index, tuple) else complex(index)
-
-
-class Medium(Filled):
-    """The fluid around the bead."""
-
-    name: Literal["water"] | None = Field(
-        None,
-        description="name of the fluid; water sets refractive index (at the wavelength of the "
-        "beam), density and viscosity at the temperature, unless the scene gives them",
-    )
-    refractive_index: RefractiveIndex = Field(
-        description="refractive index n_m; not needed with a `name`"
-    )
-    density: Density = Field(description="density rho_m; not needed with a `name`")
-    viscosity: Viscosity = Field(description="dynamic viscosity mu_m; not needed with a `name`")
-    temperature: Temperature = Field(description="absolute temperature T")
-    mean_free_path: PositiveLength = Field(
-        3e-10, description="mean free path of the molecules, lambda_mfp (2.2.2)"
-    )
-    inertia: InertiaName | None = Field(
-        None,
-        description=f"fluid inertia that acts on the bead; {told(INERTIAS.values())}. Default: "
-        "memory for the model full if the method supports it, otherwise none",
-    )
-    poles: Annotated[StrictInt, Field(ge=1, le=100)] | None = Field(
-        None,
-        description="number of poles of the hydrodynamic memory. Default: determined by the "
-        "duration and the tolerance",
-    )
-
-    @model_validator(mode="after")
-    def _poles_of_a_memory(self) -> Self:
-        """Refuse a number of poles for a fluid without hydrodynamic memory."""
-        if self.poles is not None and self.inertia not in (None, "memory"):
-            raise refusal(
-                f"poles: does not apply to inertia = {self.inertia!r}; remove it, or set inertia "
-                "to memory"
-            )
-        return self
-
-
-class Wall(Filled):
-    """A plane across the light that ends the fluid, on one side of the bead; none if not given."""
-
-    position: WallPosition = Field(
-        description="height z of the plane relative to the focus; not needed with lens.cover, "
-        "whose face is then the wall"
-    )
-    side: Literal["above", "below"] = Field(
-        "above", description="side of the plane on which the bead is; above means larger z"
-    )
-    opposite: WallPosition | None = Field(
-        None,
-        description="height z of a second plane on the other side of the bead. The added drag of "
-        "the planes is summed (Oseen)",
-    )
-
-    @property
-    def normal(self) -> float:
-        """Direction along z from the plane to the bead: 1 above, -1 below."""
-        return 1.0 if self.side == "above" else -1.0
-
-    @property
-    def planes(self) -> tuple[tuple[float, float], ...]:
-        """Position z, m, and normal (1 or -1 along z, to the bead) of each plane."""
-        first = self.position, self.normal
-        return (first,) if self.opposite is None else (first, (self.opposite, -self.normal))
-
-    @model_validator(mode="after")
-    def _opposite_beyond(self) -> Self:
-        """Refuse a second plane that is not on the bead's side of the first one."""
-        if self.opposite is not None and self.normal * (self.opposite - self.position) <= 0:
-            raise refusal(
-                f"opposite = {self.opposite:g}: must be on the side of the bead, {self.side} "
-                f"position = {self.position:g}"
-            )
-        return self

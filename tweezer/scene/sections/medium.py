@@ -1,0 +1,101 @@
+"""Sections of a scene: the medium and the wall."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal, Self, TypeAlias
+
+from pydantic import Field, StrictInt, model_validator
+
+from tweezer.scene.choices import INERTIAS, told
+from tweezer.scene.courses import refusal
+from tweezer.scene.sections.alternatives import Filled
+from tweezer.values.units import (
+    Density,
+    PositiveLength,
+    RefractiveIndex,
+    Temperature,
+    Viscosity,
+    WallPosition,
+)
+
+if TYPE_CHECKING:
+    InertiaName: TypeAlias = str
+else:
+    InertiaName = Literal[tuple(INERTIAS)]
+
+
+class Medium(Filled):
+    """The fluid around the bead."""
+
+    name: Literal["water"] | None = Field(
+        None,
+        description="name of the fluid; water sets refractive index (at the wavelength of the "
+        "beam), density and viscosity at the temperature, unless the scene gives them",
+    )
+    refractive_index: RefractiveIndex = Field(
+        description="refractive index n_m; not needed with a `name`"
+    )
+    density: Density = Field(description="density rho_m; not needed with a `name`")
+    viscosity: Viscosity = Field(description="dynamic viscosity mu_m; not needed with a `name`")
+    temperature: Temperature = Field(description="absolute temperature T")
+    mean_free_path: PositiveLength = Field(
+        3e-10, description="mean free path of the molecules, lambda_mfp (2.2.2)"
+    )
+    inertia: InertiaName | None = Field(
+        None,
+        description=f"fluid inertia that acts on the bead; {told(INERTIAS.values())}. Default: "
+        "memory for the model full if the method supports it, otherwise none",
+    )
+    poles: Annotated[StrictInt, Field(ge=1, le=100)] | None = Field(
+        None,
+        description="number of poles of the hydrodynamic memory. Default: determined by the "
+        "duration and the tolerance",
+    )
+
+    @model_validator(mode="after")
+    def _poles_of_a_memory(self) -> Self:
+        """Refuse a number of poles for a fluid without hydrodynamic memory."""
+        if self.poles is not None and self.inertia not in (None, "memory"):
+            raise refusal(
+                f"poles: does not apply to inertia = {self.inertia!r}; remove it, or set inertia "
+                "to memory"
+            )
+        return self
+
+
+class Wall(Filled):
+    """A plane across the light that ends the fluid, on one side of the bead; none if not given."""
+
+    position: WallPosition = Field(
+        description="height z of the plane relative to the focus; not needed with lens.cover, "
+        "whose face is then the wall"
+    )
+    side: Literal["above", "below"] = Field(
+        "above", description="side of the plane on which the bead is; above means larger z"
+    )
+    opposite: WallPosition | None = Field(
+        None,
+        description="height z of a second plane on the other side of the bead. The added drag of "
+        "the planes is summed (Oseen)",
+    )
+
+    @property
+    def normal(self) -> float:
+        """Direction along z from the plane to the bead: 1 above, -1 below."""
+        return 1.0 if self.side == "above" else -1.0
+
+    @property
+    def planes(self) -> tuple[tuple[float, float], ...]:
+        """Position z, m, and normal (1 or -1 along z, to the bead) of each plane."""
+        first = self.position, self.normal
+        return (first,) if self.opposite is None else (first, (self.opposite, -self.normal))
+
+    @model_validator(mode="after")
+    def _opposite_beyond(self) -> Self:
+        """Refuse a second plane that is not on the bead's side of the first one."""
+        if self.opposite is not None and self.normal * (self.opposite - self.position) <= 0:
+            raise refusal(
+                f"opposite = {self.opposite:g}: must be on the side of the bead, {self.side} "
+                f"position = {self.position:g}"
+            )
+        return self
