@@ -11,7 +11,7 @@ import numpy as np
 
 from tweezer.dynamics.events import Occurrence, Piece, crossing
 from tweezer.dynamics.layout import POSITION
-from tweezer.dynamics.models import EquationsOfMotion
+from tweezer.dynamics.models import EquationsOfMotion, Motion
 from tweezer.values.arrays import Array
 
 #: of ascending times (n,) s, gives (n,)
@@ -66,10 +66,14 @@ class Path:
         begin = self.equations.begin_time
         return self.position_tolerance * len(self.checkpoints) / (self.end - begin)
 
+    def motion(self, times: Array) -> Motion:
+        """Return velocities and orientations at ascending times (n,), s."""
+        states = np.concatenate([piece.states(part) for piece, part in self._parts(times)])
+        return self.equations.motion(times, states)
+
     def speeds(self, times: Array) -> Array:
         """Return speeds at ascending times (n,), s: (n,) m/s."""
-        states = np.concatenate([piece.states(part) for piece, part in self._parts(times)])
-        velocity = self.equations.motion(times, states).velocity
+        velocity = self.motion(times).velocity
         assert velocity is not None  # thermal motion alone has none, and no pieces
         return np.linalg.norm(velocity, axis=1)
 

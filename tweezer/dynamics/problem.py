@@ -50,6 +50,8 @@ _BESIDE_A_WALL = 60
 _HARDNESS = 1e3
 #: Force towards a wall that is taken where a scene has none, N
 _UNPRESSED = 1e-12
+#: Distance between centres of mass and volume that is rounding, over the size of the body
+_ROUNDING = 1e-12
 #: Largest distance of these places from the focus, in radii
 _AROUND = 1.5
 
@@ -99,7 +101,8 @@ class Problem:
         """Torque of buoyancy on a body of several densities; empty for any other."""
         scene = self.scene
         off = scene.body.centre_of_volume
-        if not (scene.forces.buoyancy and any(off)):
+        # rounding of the centre of mass is not an offset
+        if not scene.forces.buoyancy or np.linalg.norm(off) < _ROUNDING * scene.body.size:
             return ()
         lift = self.bead.displaced_mass * scene.forces.gravitational_acceleration
         return (BuoyancyTorque(lift, off),)
@@ -149,6 +152,14 @@ class Problem:
         """
         turned = self._oriented(self.force, len(positions))
         return self.force.field(positions, gradient=gradient, time=time, orientations=turned)
+
+    def light_along(self, positions: Array, times: Array, orientations: Array | None) -> Wrench:
+        """Return force and torque of the light at positions (n, 3), m, and times (n,), s.
+
+        `orientations` (n, 4) are read where the force depends on them.
+        """
+        turned = orientations if self.light.oriented else None
+        return self.light.field(positions, time=times, orientations=turned)
 
     def net_force(self, positions: Array) -> Array:
         """Return the sum of all forces but drag and noise at `positions` (n, 3), m, at time 0: (n,
@@ -448,6 +459,8 @@ def _forces_of_walls(scene: Scene, bead: BeadProperties) -> tuple[Force, ...]:
     for position, normal in scene.wall.planes if scene.wall else ():
         pressing = float(np.linalg.norm(bead.weight)) + _momentum_of_light(scene)
         if said is not None:
+            if scene.bead.shape != "sphere":
+                raise SceneError("forces.dlvo: is known for spheres; remove forces.dlvo")
             constants = said.strength, said.debye_length, said.hamaker_constant
             found.append(dlvo := Dlvo(scene.bead.radius, position, normal, *constants))
             pressing += dlvo.attraction

@@ -52,6 +52,14 @@ def derived_quantities(
         pushed = each.field(places, time=times, orientations=motion.orientation)
         net_force += pushed.force
     terminal = net_force * problem.mobilities(places, times)[:, TRANSLATION]
+    if problem.body is not None and motion.orientation is not None:
+        from scipy.spatial.transform import Rotation  # a sphere does without
+
+        turned = Rotation.from_quat(motion.orientation, scalar_first=True)
+        own = (
+            turned.apply(net_force, inverse=True) @ problem.body.mobility[TRANSLATION, TRANSLATION]
+        )
+        terminal = turned.apply(own)
     potential = -places @ weight
     unknown = np.full(len(times), np.nan)
     variables = {
@@ -74,7 +82,11 @@ def derived_quantities(
         speed = _length(motion.velocity)
         kinetic = 0.5 * bead.mass * speed**2
         if motion.angular_velocity is not None:
-            kinetic += 0.5 * motion.angular_velocity**2 @ np.array(bead.moments_of_inertia)
+            if problem.body is None:
+                kinetic += 0.5 * motion.angular_velocity**2 @ np.array(bead.moments_of_inertia)
+            else:
+                momentum = motion.angular_velocity @ np.array(scene.body.inertia)
+                kinetic += 0.5 * (momentum * motion.angular_velocity).sum(axis=1)
         medium = scene.medium
         number = 2 * medium.density * scene.body.size / medium.viscosity * speed
         variables |= {

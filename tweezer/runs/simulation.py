@@ -243,7 +243,7 @@ def motion_of(
         **_end(equations, result, budget),
         **({"approached": 1} if approached else {}),
     }
-    light = problem.light.field(motion.position, time=result.times)
+    light = problem.light_along(motion.position, result.times, motion.orientation)
     run = _run(problem, result.times, motion, light, attributes)
     if frames is not None and result.path is not None:
         run = _filmed(run, frames, *frames.seen(result.path, seed or 0))
@@ -452,7 +452,7 @@ def _thermal_run(
     if run_of.status == "failed":
         warn(f"{bound.scene.name}: {run_of.message}")
     _warn_of_sticking(bound, motion)
-    light = bound.problem.light.field(motion.position, time=times)
+    light = bound.problem.light_along(motion.position, times, motion.orientation)
     run = _run(bound.problem, times, motion, light, attributes)
     run.variables.update(force_errors(bound.problem, times, motion, light))
     if bound.exposure is None:

@@ -17,6 +17,7 @@ from tweezer.dynamics.escape import escapes, escapes_from_ring, too_shallow
 from tweezer.dynamics.integrate import Integration
 from tweezer.dynamics.path import Passage, Path, across_axis, distances_from, passage
 from tweezer.dynamics.problem import Problem, bound_once
+from tweezer.forces.force import Wrench
 from tweezer.forces.rings import held_on, ring_near
 from tweezer.results.io import scene_in
 from tweezer.results.run import Run
@@ -271,7 +272,7 @@ def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> S
         closest_approach=_known(here.closest_approach),
         closest_approach_time=_known(here.closest_approach_time),
         largest_reynolds_number=number * here.largest_speed,
-        largest_force=_largest(path.equations.problem.light.field(places, time=at).force),
+        largest_force=_largest(_light_along(path, places, at).force),
         force_error=math.nan,
         end=_point(position[-1]),
         by_samples=False,
@@ -325,7 +326,14 @@ def force_error_along(path: Path) -> float:
     """Return the largest error of the optical force along the path, N."""
     light = path.equations.problem.light
     places, times = _places(path)
-    return float(light.error_of(places, light.field(places, time=times), times).max())
+    return float(light.error_of(places, _light_along(path, places, times), times).max())
+
+
+def _light_along(path: Path, places: Array, times: Array) -> Wrench:
+    """Return the force of the light at places (n, 3), m, of a path and their times (n,), s."""
+    problem = path.equations.problem
+    turned = path.motion(times).orientation if problem.light.oriented else None
+    return problem.light_along(places, times, turned)
 
 
 def _places(path: Path) -> tuple[Array, Array]:
@@ -365,7 +373,8 @@ def _outcome(
         raise ResultError("not a run: it has no attribute status")
     status, end = run.attributes["status"], float(times[-1])
     changing = scene.last_change >= end > 0
-    if status != "complete" or run.attributes.get("other_forces") or changing:
+    shaped = scene.bead.shape != "sphere"  # its equilibria are poses
+    if status != "complete" or run.attributes.get("other_forces") or changing or shaped:
         return status, end, position[-1], 0.0
     problem = bound or bound_once(scene)
     nearby = CAPTURE_RADII * scene.body.size

@@ -94,6 +94,11 @@ def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | No
 
     wanted = in_si("time", time, "s", _SHORTEST, 0.1 * LONGEST)
     scene = checked_scene(scene)
+    if scene.bead.shape != "sphere":
+        raise SceneError(
+            f"bead.shape = {scene.bead.shape!r}: lifetimes are computed for spheres; allowed: "
+            "'sphere'"
+        )
     if not (scene.plain and scene.forces.optical) or scene.forces.dlvo is not None:
         raise SceneError(
             "least power: requires one beam at rest along z through the origin, forces.optical = "
