@@ -56,6 +56,15 @@ def test_spheroid_of_a_scene_moves_its_added_mass():
     )
 
 
+def test_cylinder_does_not_have_the_added_mass_of_a_spheroid():
+    scene = tweezer.load_scene("polystyrene-500nm").replace(
+        bead={"shape": "cylinder", "diameter": "0.4 um", "length": "0.8 um"},
+        medium={"inertia": "added-mass"},
+    )
+    with pytest.raises(tweezer.SceneError, match=r"is known for spheres, spheroids and ellipsoids"):
+        body_motion(scene)
+
+
 def test_cluster_with_added_mass_is_refused_in_one_line():
     description = tweezer.load_scene("polystyrene-500nm").model_dump(exclude_none=True)
     index = description["bead"]["refractive_index"]

@@ -96,17 +96,17 @@ def body_motion(scene: Scene) -> BodyMotion | None:
 
 
 def _added_mass(scene: Scene) -> Array:
-    """Return the added inertia of a spheroid along and about its axes, (6,); refuse others."""
+    """Return the added inertia of an ellipsoid along and about its axes, (6,); refuse others."""
     from tweezer.fluid.added_mass import ellipsoid_added_mass
+    from tweezer.scene.solids import Ellipsoid
 
-    bead = scene.bead
-    if bead.length is None:
+    body = scene.body
+    if not isinstance(body, Ellipsoid):
         raise SceneError(
-            "medium.inertia = 'added-mass': is known for spheres and spheroids; set medium.inertia "
-            "to none"
+            "medium.inertia = 'added-mass': is known for spheres, spheroids and ellipsoids; set "
+            "medium.inertia to none"
         )
-    axes = (bead.radius, bead.radius, bead.length / 2)
-    return ellipsoid_added_mass(axes, scene.medium.density * scene.body.volume)
+    return ellipsoid_added_mass(body.semi_axes, scene.medium.density * body.volume)
 
 
 def properties_of_body(scene: Scene, motion: BodyMotion) -> BeadProperties:

@@ -68,11 +68,11 @@ class Ellipsoid(_Turned):
         self.moments_of_inertia = (
             fifth * (b * b + c * c), fifth * (c * c + a * a), fifth * (a * a + b * b)
         )  # fmt: skip
-        self._semi_axes = np.array(semi_axes)
+        self.semi_axes = semi_axes
 
     def _extent(self, direction: Any) -> Any:
         """Return the distance from a plane; see `_Turned`."""
-        return np.sqrt((self._semi_axes**2 * direction**2).sum(axis=-1))
+        return np.sqrt(((np.array(self.semi_axes) * direction) ** 2).sum(axis=-1))
 
 
 class Solid(_Turned):
