@@ -37,7 +37,7 @@ def helical(pose, data, wrench):
 
 
 def force_and_torque(position, turned):
-    """The same in the laboratory's axes, by vectors: the torque is n x z times n.z."""
+    """Return the force and torque of `helical` by vectors: the torque is n x z times n.z."""
     across, along, turning, about, aligning = TRAP
     z, n = np.array([0.0, 0.0, 1.0]), turned.apply([0.0, 0.0, 1.0])
     force = -np.array([across, across, along]) * position + turning * np.cross(z, position)

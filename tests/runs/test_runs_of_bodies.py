@@ -31,7 +31,7 @@ def test_stored_force_is_at_the_orientation_of_each_sample(brownian):
 
 
 def test_kinetic_energy_of_a_dumbbell_has_its_inertia_by_axis():
-    """It spins about the line of centres, z: 2/5 m r^2 for each sphere."""
+    """The pair spins about the line of centres, z: 2/5 m r^2 for each sphere."""
     description = tweezer.load_scene("polystyrene-500nm").model_dump(exclude_none=True)
     index = description["bead"]["refractive_index"]
     description["bead"] = {

@@ -75,9 +75,16 @@ def line(start: tuple[float, float], end: tuple[float, float]) -> Piece:
 
 
 def arc(height: float, radii: tuple[float, float], start: float, end: float) -> Piece:
-    """Return a part of an ellipse about a point on the axis, between two angles from +z, rad.
+    """Return a part of an ellipse whose centre is on the axis.
 
-    `height` is of the point along z, m, and `radii` are the semi-axes along r and z, m.
+    Parameters
+    ----------
+    height : float
+        Position of the centre along z, m.
+    radii : tuple of float
+        Semi-axes along r and z, m.
+    start, end : float
+        Angles from +z between which the part lies, rad.
     """
     return Piece((0.0, height), (0.0, 0.0), radii, start, end - start)
 
