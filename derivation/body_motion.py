@@ -8,8 +8,8 @@ couple translation and rotation:
     M V' + N(V) = W - R V,    q' = R(e) u,    e' = L^T w/4.
 
 N follows from the rates of the momenta (p, l) = M V, because the axes turn and the centre of mass
-moves: N = (w x p, w x l + u x p). The last term vanishes if M is that of the body alone. With the
-added mass of the fluid it does not (Kirchhoff).
+moves: N = (w x p, w x l + u x p). The last term vanishes for a body without the added mass of
+the fluid (Kirchhoff).
 
 The small parameter epsilon multiplies M, as in `derivation.multiscale`.
 

@@ -148,7 +148,7 @@ def test_matched_start_by_six_modes():
 
 # --- thermal motion ------------------------------------------------------------------------------
 def test_drift_of_the_position():
-    """It is zero for a mobility whose coupling block is symmetric, at the centre of mobility."""
+    """The drift is zero where the coupling block is symmetric, at the centre of mobility."""
     B = bm.B
     axial = sp.Matrix([B[2, 4] - B[1, 5], B[0, 5] - B[2, 3], B[1, 3] - B[0, 4]])
     assert is_zero(bm.ito_drift(B)[:3, :] - R * axial)
@@ -160,7 +160,7 @@ def test_drift_of_the_euler_parameters():
 
 @pytest.mark.parametrize("a", range(6))
 def test_fields_preserve_the_uniform_measure(a):
-    """The field does not change |e|, so its divergence on the poses is that in (q, e)."""
+    """The field does not change |e|, so it has the same divergence on the poses as in (q, e)."""
     field = bm.FIELDS[:, a]
     assert sp.expand(e.dot(field[3:, :])) == 0
     assert sp.simplify(bm.divergence(field)) == 0

@@ -134,8 +134,8 @@ class Continued:
 def continued(scene: Scene, attributes: Mapping[str, Any], times: Array) -> tuple[Scene, Continued]:
     """Return the scene of a continued run, from the release to its new end, and the earlier run.
 
-    The sampling interval is taken from the earlier run. So are the model, the method and the fluid
-    inertia, unless the scene sets them. Duration and samples are counted from the release.
+    The earlier run gives the sampling interval, and the model, the method and the fluid inertia
+    unless the scene sets them. Duration and samples are counted from the release.
 
     Parameters
     ----------

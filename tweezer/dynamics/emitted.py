@@ -6,6 +6,7 @@ import importlib
 from types import ModuleType
 
 from tweezer.compiled import cache_functions
+from tweezer.dynamics.body import BodyMotion
 from tweezer.dynamics.layout import Layout
 from tweezer.fluid import Drag
 from tweezer.forces.force import Force
@@ -33,11 +34,16 @@ def module_of(scene: Scene, *, rotates: bool) -> ModuleType:
     return module(f"{model.modules}_{model.rotating or body}{'_euler_rates' if rates else ''}")
 
 
-def takes_drag_exactly(equations: ModuleType, *acting: Force | Drag) -> bool:
+def takes_drag_exactly(
+    equations: ModuleType, force: Force, drag: Drag, body: BodyMotion | None
+) -> bool:
     """Return whether the exponential method can integrate emitted equations under force and drag.
 
-    Neither may depend on the orientation.
+    Neither may depend on the orientation, except for a body that is no sphere, whose loop follows
+    poses.
     """
+    if body is not None:
+        return True
     inertial = "velocity" in Layout.of_emitted(equations.STATE)
     plain = not inertial and "force_gradient" not in equations.RHS_INPUTS
-    return (equations.LINEAR_DRAG or plain) and not any(each.oriented for each in acting)
+    return (equations.LINEAR_DRAG or plain) and not (force.oriented or drag.oriented)

@@ -240,7 +240,7 @@ class EquationsOfMotion(Shown):
     @property
     def takes_drag_exactly(self) -> bool:
         """Whether the exponential method can integrate these equations."""
-        return self.body is not None or takes_drag_exactly(self.module, self.force, self.drag)
+        return takes_drag_exactly(self.module, self.force, self.drag, self.body)
 
     @property
     def name(self) -> str:

@@ -324,9 +324,9 @@ WATCHED = (
 #: Of the emitted equations of motion of a model
 OF_EQUATIONS = (
     Need("simulation.model",
-         lambda its: its.problem.body is not None and its.model.name in ("scaled", "first-order"),
+         lambda its: its.body and its.model.name in ("scaled", "first-order"),
          "applies to spheres", _set("simulation.model", "full")),
-    Need("wall", lambda its: its.problem.body is not None and _beside_wall(its.problem.scene),
+    Need("wall", lambda its: its.body and _beside_wall(its.problem.scene),
          "the drag beside a wall is known for spheres; a body of another shape must be at least "
          f"{_FAR_FROM_WALLS:g} times its largest radius from it", lambda _: "remove wall"),
     Need("simulation.model",
@@ -337,8 +337,8 @@ OF_EQUATIONS = (
 OF_METHOD = (
     Need("simulation.method",
          lambda its: its.has("exact_drag") and not its.problem.takes_drag_exactly,
-         "requires a sphere, forces that do not depend on the orientation, and no first-order "
-         "model", _set("simulation.method", "auto")),
+         "requires a sphere under forces that do not depend on the orientation, or a body of "
+         "another shape, and no first-order model", _set("simulation.method", "auto")),
 )  # fmt: skip
 
 #: Motions that may include the memory of the fluid; the linear motion about an equilibrium is
@@ -374,8 +374,7 @@ MEMORY = (
     Forgotten((THERMAL,), lambda its: its.has("spring_only") and its.coupled,
               "{method} cannot follow it in a trap that couples the axes"),
     Forgotten((THERMAL,), lambda its: its.names_another_model, _WHERE_NAMED),
-    Forgotten((DETERMINISTIC, LINEAR), lambda its: its.problem.body is not None,
-              "it is known for spheres only"),
+    Forgotten((DETERMINISTIC, LINEAR), lambda its: its.body, "it is known for spheres only"),
 )  # fmt: skip
 
 

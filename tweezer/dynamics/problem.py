@@ -121,9 +121,7 @@ class Problem:
     @property
     def takes_drag_exactly(self) -> bool:
         """Whether the exponential method can integrate the equations of motion."""
-        if self.body is not None:
-            return True
-        return takes_drag_exactly(self.emitted, self.force, self.drag)
+        return takes_drag_exactly(self.emitted, self.force, self.drag, self.body)
 
     @property
     def symmetric(self) -> bool:

@@ -178,7 +178,7 @@ MODELS: dict[str, Model] = _by_name(
 METHODS: dict[str, Method] = _by_name(
     Method("dormand-prince", "the thesis's ode45", f"{_METHODS}.dormand_prince:DORMAND_PRINCE"),
     Method("dop853", "for tight tolerances", f"{_METHODS}.dop853:DOP853"),
-    Method("exponential", "collocation with exact drag; the choice of auto for spheres",
+    Method("exponential", "collocation with exact drag; the choice of auto where it applies",
            f"{_METHODS}.exponential:EXPONENTIAL",
            memory=True, exact_drag=True),
     *(
@@ -210,7 +210,7 @@ METHODS: dict[str, Method] = _by_name(
 
 INERTIAS: dict[str, Inertia] = _by_name(
     Inertia("none", "Stokes drag only, as in the thesis"),
-    Inertia("added-mass", "half the mass of the displaced fluid is added to the bead"),
+    Inertia("added-mass", "the added mass of the fluid: of a sphere, half the displaced mass"),
     Inertia("memory", "added mass and Basset force"),
 )
 

@@ -9,9 +9,9 @@ the velocities V = P z of translation and rotation fall apart into six modes
     tau_j z_j' = s_j - z_j + noise,    s = diag(tau) P^T W,
 
 for the wrench W. Under a constant s, each mode z_j and its integral are an exact Ornstein-Uhlenbeck
-pair for any step (`propagator`). The force is taken as linear in time between two evaluations. Of
-the twist P int z, the part of the initial velocity and force is before the noise, and the part of
-the final force after it. For steps much longer than tau this is the trapezoid of
+pair for any step (`propagator`). The force is taken as linear in time between two evaluations. The
+twist P int z has two parts. The one by the initial velocity and force is taken before the noise,
+and the one by the final force after it. For steps much longer than tau this is the trapezoid of
 `tweezer.dynamics.brownian.body`, with the same correction of the noise.
 
 The gyroscopic force is left out: it turns the velocity by kT tau^2/I in the time tau, which is

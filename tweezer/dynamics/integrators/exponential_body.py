@@ -1,7 +1,7 @@
 """Exponential collocation on SE(3): a rigid body of any shape, with exact drag and inertia.
 
-The twist V = P z of the body has six velocities z_j that relax to slow velocities zeta_j with times
-tau_j (`tweezer.dynamics.body`), where zeta = P^-1 B (W - N(V)), W is the force and torque in the
+The twist V = P z of the body has six velocities z_j (`tweezer.dynamics.body`). They relax with the
+times tau_j to the slow velocities zeta = P^-1 B (W - N(V)), where W are force and torque in the
 body's frame and N the gyroscopic terms. In a step from the pose (q_0, R_0), zeta is a polynomial
 through its values at Gauss nodes, so that z and its integral are known exactly (`modes`).
 
@@ -59,9 +59,9 @@ from tweezer.forces.force import Pose, Wrench, add, bound, clear
 from tweezer.generated import body_motion
 
 #: Number of components of a twist, and of unknowns in a step
-SIX, _ALL = 6, 6 * NODES
-#: Number of components of a velocity; first column of the Euler parameters in a state of the loop,
-#: which follow the position and the velocities z
+_SIX, _ALL = 6, 6 * NODES
+#: Number of components of a velocity, and first column of the Euler parameters in a state of the
+#: loop. They follow the position and the velocities z
 _HALF, _E = 3, 9
 #: Smallest and largest factor from one step to the next, and of a step that Newton did not solve
 _SHRINK, _GROWTH, _UNSOLVED = 0.2, 4.0, 0.4
@@ -173,7 +173,7 @@ class Work(NamedTuple):
 @named_njit(inner=True, error_model="numpy")
 def _room():  # type: ignore[no-untyped-def]
     """Allocate the workspace of a step."""
-    n, six, none = NODES, SIX, np.zeros((0, 3, 3))
+    n, six, none = NODES, _SIX, np.zeros((0, 3, 3))
     return Work(
         Pose(np.zeros(n), np.zeros((n, 3)), np.zeros((n, 4))),
         Wrench(np.zeros((n, 3)), np.zeros((n, 3)), none, none, np.zeros(n)),
@@ -190,9 +190,9 @@ def _room():  # type: ignore[no-untyped-def]
 def _weigh(how, step, z, work):  # type: ignore[no-untyped-def]
     """Fill the matrices from zeta at the nodes to velocities and their integrals there.
 
-    `step` is the length of the step, s, and `z` (6,) are the velocities at its beginning.
+    `step` is the length of the step, s. `z` (6,) are the velocities when it begins.
     """
-    for j in range(SIX):
+    for j in range(_SIX):
         tau = how.times[j]
         for i in range(NODES):
             s = PLACES[i] * step
@@ -215,7 +215,7 @@ def _foretell(how, step, work):  # type: ignore[no-untyped-def]
     before = how.carried[0]
     for i in range(NODES):
         x = 0.0 if before == 0.0 else 2.0 * (how.carried[2] + PLACES[i] * step / before) - 1.0
-        for j in range(SIX):
+        for j in range(_SIX):
             last, now, total = 1.0, x, how.foretold[j, 0]
             for k in range(1, NODES):
                 total += how.foretold[j, k] * now
@@ -231,20 +231,20 @@ def _settle(how, step, allowed, work):  # type: ignore[no-untyped-def]
     """
     turned = np.empty(3)
     for i in range(NODES):
-        for a in range(SIX):
+        for a in range(_SIX):
             work.twist[i, a] = work.way[i, a] = 0.0
-        for j in range(SIX):
+        for j in range(_SIX):
             way, now = work.begun[0, i, j], work.begun[1, i, j]
             for k in range(NODES):
                 way += work.moving[j, i, k] * work.slow[k, j]
                 now += work.following[j, i, k] * work.slow[k, j]
-            for a in range(SIX):
+            for a in range(_SIX):
                 work.way[i, a] += how.velocities[a, j] * way
                 work.twist[i, a] += how.velocities[a, j] * now
     for _ in range(_ROUNDS):
         most = 0.0
         for i in range(NODES):
-            for a in range(SIX):
+            for a in range(_SIX):
                 at = work.way[i, a]
                 for k in range(NODES):
                     at += step * _GAUSS[i, k] * work.remainder[k, a]
@@ -298,34 +298,34 @@ def _wrench(how, pose, wrench, i, out):  # type: ignore[no-untyped-def]
 @named_njit(inner=True, error_model="numpy")
 def _evaluate(system, how, time, step, y, work, counts):  # type: ignore[no-untyped-def]
     """Fill `work.residual` with zeta by the forces at the nodes less zeta."""
-    wrench = np.empty(SIX)
+    wrench = np.empty(_SIX)
     for i in range(NODES):
         work.pose.time[i] = time + PLACES[i] * step
         _reach(y, work.y[i], work.pose.position[i], work.pose.orientation[i])
     clear(work.wrench)
     add(system.force, work.pose, work.wrench)
     counts[2] += NODES
-    gyroscopic = np.zeros(SIX)
+    gyroscopic = np.zeros(_SIX)
     for i in range(NODES):
         _wrench(how, work.pose, work.wrench, i, wrench)
         if how.inertia.size > 0:
             body_motion.kirchhoff(work.twist[i], how.inertia, gyroscopic)
-        for j in range(SIX):
+        for j in range(_SIX):
             total = -work.slow[i, j]
-            for a in range(SIX):
+            for a in range(_SIX):
                 total += how.response[j, a] * (wrench[a] - gyroscopic[a])
-            work.residual[SIX * i + j] = total
+            work.residual[_SIX * i + j] = total
 
 
 @named_njit(inner=True, error_model="numpy")
 def _differentiate(system, how, work, counts):  # type: ignore[no-untyped-def]
     """Fill `how.gradient` by differences about the pose at the middle node."""
     middle = NODES // 2
-    wrench, before, xi = np.empty(SIX), np.empty(SIX), np.zeros(SIX)
+    wrench, before, xi = np.empty(_SIX), np.empty(_SIX), np.zeros(_SIX)
     rotated_back(work.pose.orientation[middle], work.wrench.force[middle], before[:_HALF])
     rotated_back(work.pose.orientation[middle], work.wrench.moment[middle], before[_HALF:])
-    for a in range(SIX):
-        for b in range(SIX):
+    for a in range(_SIX):
+        for b in range(_SIX):
             xi[b] = 0.0
         xi[a] = _DIFFERENCE * (how.length if a < 3 else 1.0)
         work.near.time[a] = work.pose.time[middle]
@@ -335,22 +335,22 @@ def _differentiate(system, how, work, counts):  # type: ignore[no-untyped-def]
         )  # fmt: skip
     clear(work.pushed)
     add(system.force, work.near, work.pushed)
-    counts[2] += SIX
-    for a in range(SIX):
+    counts[2] += _SIX
+    for a in range(_SIX):
         _wrench(how, work.near, work.pushed, a, wrench)
         per = _DIFFERENCE * (how.length if a < 3 else 1.0)
-        for b in range(SIX):
+        for b in range(_SIX):
             how.gradient[b, a] = (wrench[b] - before[b]) / per
 
 
 @named_njit(inner=True, error_model="numpy")
 def _product(left, middle, right, out):  # type: ignore[no-untyped-def]
     """Fill `out` (6, 6) with the product of three matrices (6, 6)."""
-    for i in range(SIX):
-        for j in range(SIX):
+    for i in range(_SIX):
+        for j in range(_SIX):
             total = 0.0
-            for k in range(SIX):
-                for l in range(SIX):
+            for k in range(_SIX):
+                for l in range(_SIX):
                     total += left[i, k] * middle[k, l] * right[l, j]
             out[i, j] = total
 
@@ -370,14 +370,14 @@ def _factorise(how, work):  # type: ignore[no-untyped-def]
         _product(how.response, work.gyroscopic.copy(), how.velocities, work.gyroscopic)
     matrix = work.matrix
     for i in range(NODES):
-        for j in range(SIX):
-            row = SIX * i + j
+        for j in range(_SIX):
+            row = _SIX * i + j
             for k in range(NODES):
-                for l in range(SIX):
+                for l in range(_SIX):
                     value = -work.six[j, l] * work.moving[l, i, k]
                     if turning:
                         value += work.gyroscopic[j, l] * work.following[l, i, k]
-                    matrix[row, SIX * k + l] = value
+                    matrix[row, _SIX * k + l] = value
             matrix[row, row] += 1.0
     for k in range(_ALL):
         for i in range(k + 1, _ALL):
@@ -406,21 +406,21 @@ def _correct(how, step, allowed, work):  # type: ignore[no-untyped-def]
         x[i] /= matrix[i, i]
     most = 0.0
     for i in range(NODES):
-        for a in range(SIX):
+        for a in range(_SIX):
             change = 0.0
-            for j in range(SIX):
-                change += how.velocities[a, j] * x[SIX * i + j] * _felt(step, how.times[j])
+            for j in range(_SIX):
+                change += how.velocities[a, j] * x[_SIX * i + j] * _felt(step, how.times[j])
             most = max(most, step * abs(change) / allowed[0 if a < 3 else 1])
-        for j in range(SIX):
-            work.slow[i, j] += x[SIX * i + j]
+        for j in range(_SIX):
+            work.slow[i, j] += x[_SIX * i + j]
     return most
 
 
 @named_njit(inner=True, error_model="numpy")
 def _polynomials(work):  # type: ignore[no-untyped-def]
     """Fill the coefficients of zeta and of the remainder, in Legendre polynomials and in powers."""
-    for j in range(2 * SIX):
-        values = work.slow[:, j] if j < SIX else work.remainder[:, j - SIX]
+    for j in range(2 * _SIX):
+        values = work.slow[:, j] if j < _SIX else work.remainder[:, j - _SIX]
         for k in range(NODES):
             work.coefficients[j, k] = work.shape[j, k] = 0.0
             for i in range(NODES):
@@ -432,13 +432,13 @@ def _polynomials(work):  # type: ignore[no-untyped-def]
 def _error(how, step, allowed, work):  # type: ignore[no-untyped-def]
     """Return the error of a step over the allowed one, by the last two Legendre coefficients."""
     most = 0.0
-    for a in range(SIX):
+    for a in range(_SIX):
         for k in range(NODES - 2, NODES):
             slow = 0.0
-            for j in range(SIX):
+            for j in range(_SIX):
                 part = _felt(step, how.times[j])
                 slow += how.velocities[a, j] * work.coefficients[j, k] * part
-            off = abs(slow) + abs(work.coefficients[SIX + a, k])
+            off = abs(slow) + abs(work.coefficients[_SIX + a, k])
             most = max(most, off / allowed[0 if a < 3 else 1])
     return 0.5 * step * most / (2 * NODES + 1)
 
@@ -449,7 +449,7 @@ def _collocate(  # type: ignore[no-untyped-def]
 ):
     """Solve for zeta at the nodes; return the error over the allowed one, or -1 without success."""
     for i in range(NODES):
-        for a in range(SIX):
+        for a in range(_SIX):
             work.remainder[i, a] = 0.0
     solved = _SOLVED if adaptive else _SOLVED_WELL
     before, contraction = 0.0, _FIRST_CONTRACTION
@@ -494,17 +494,17 @@ def _to(how, s, step, y, shape, chi, out):  # type: ignore[no-untyped-def]
     `y` is the state at the beginning: position, six velocities and Euler parameters. `shape` (12,
     NODES) are the coefficients of zeta and of the remainder.
     """
-    place = np.zeros(SIX)
-    for j in range(SIX):
+    place = np.zeros(_SIX)
+    for j in range(_SIX):
         tau = how.times[j]
         relaxed(s, tau, chi)
         way = displacement(s, s / step, tau, 1.0, y[_HALF + j], shape[j], chi)
-        for a in range(SIX):
+        for a in range(_SIX):
             place[a] += how.velocities[a, j] * way
         out[_HALF + j] = velocity(s / step, y[_HALF + j], shape[j], chi)
         power = s
         for m in range(NODES):
-            place[j] += shape[SIX + j, m] * power * INVERSE[m + 1]
+            place[j] += shape[_SIX + j, m] * power * INVERSE[m + 1]
             power *= s / step
     _reach(y, place, out[:_HALF], out[_E : _E + EULER])
 
@@ -513,7 +513,7 @@ def _to(how, s, step, y, shape, chi, out):  # type: ignore[no-untyped-def]
 def _remember(how, step, end, work):  # type: ignore[no-untyped-def]
     """Keep the polynomial of a step for the prediction of the next; `end` is where it begins."""
     how.carried[0], how.carried[2] = step, end
-    for j in range(SIX):
+    for j in range(_SIX):
         for k in range(NODES):
             how.foretold[j, k] = work.coefficients[j, k]
 
@@ -554,7 +554,7 @@ def _advance(  # type: ignore[no-untyped-def]
         records.length[written] = step
         for i in range(y.size):
             records.state[written, i] = y[i]
-        for j in range(2 * SIX):
+        for j in range(2 * _SIX):
             for m in range(NODES):
                 records.shape[written, j, m] = work.shape[j, m]
         _to(how, step, step, y, work.shape, work.chi, new)
@@ -613,16 +613,16 @@ def bound_to(equations: Equations) -> Bound:
     body, emitted = equations.body, equations.layout
     assert body is not None
     inertial = "velocity" in emitted
-    six = np.eye(SIX)
+    six = np.eye(_SIX)
     velocities = body.velocities if inertial else six
     start = equations.begin.inner.copy() if equations.begin is not None else None
     how = BodyRelaxation(
-        body.relaxation_times if inertial else np.zeros(SIX),
+        body.relaxation_times if inertial else np.zeros(_SIX),
         np.ascontiguousarray(velocities),
         np.ascontiguousarray(np.linalg.solve(velocities, body.mobility)),
         body.inertia if inertial else np.zeros((0, 0)),
         np.array(equations.bead.weight), equations.scene.body.size, 0.0,
-        np.zeros((SIX, NODES)), np.zeros((SIX, SIX)), np.array([0.0, 0.0, 1.0, 1.0]),
+        np.zeros((_SIX, NODES)), np.zeros((_SIX, _SIX)), np.array([0.0, 0.0, 1.0, 1.0]),
     )  # fmt: skip
     if start is None:
         start = _in_modes(equations.initial_state, velocities, emitted)
@@ -638,7 +638,7 @@ def bound_to(equations: Equations) -> Bound:
 
     force = bound(equations.moving, gradient=False)
     return Bound(
-        loop(), how, start, (2 * SIX, NODES), states, force=force, rates=False, inner=inner
+        loop(), how, start, (2 * _SIX, NODES), states, force=force, rates=False, inner=inner
     )
 
 
@@ -649,7 +649,7 @@ def _begun(equations: Equations, how: BodyRelaxation, y: Array) -> BodyRelaxatio
     resolved where it moves the body noticeably. `y` (13,) is the initial state.
     """
     size, turned = how.length, Rotation.from_quat(y[_E:], scalar_first=True)
-    twists = np.vstack([np.zeros(SIX), _DIFFERENCE * np.diag([size] * 3 + [1.0] * 3)])
+    twists = np.vstack([np.zeros(_SIX), _DIFFERENCE * np.diag([size] * 3 + [1.0] * 3)])
     places = y[POSITION] + turned.apply(twists[:, TRANSLATION])
     turns = turned * Rotation.from_rotvec(twists[:, ROTATION])
     at = equations.moving.field(
@@ -659,7 +659,7 @@ def _begun(equations: Equations, how: BodyRelaxation, y: Array) -> BodyRelaxatio
     wrench = np.hstack([back.apply(at.force + how.weight), back.apply(at.moment)])
     gradient = (wrench[1:] - wrench[0]).T / np.diag(twists[1:])
     slow = how.response @ wrench[0]
-    foretold = np.zeros((SIX, NODES))
+    foretold = np.zeros((_SIX, NODES))
     foretold[:, 0] = slow
     rate = float(np.abs(np.linalg.eigvals(how.velocities @ how.response @ gradient)).max())
     allowed = equations.absolute_tolerance[[0] * 3 + [equations.layout.first("orientation")] * 3]
@@ -673,7 +673,7 @@ def _begun(equations: Equations, how: BodyRelaxation, y: Array) -> BodyRelaxatio
 
 def _in_modes(state: Array, velocities: Array, emitted: Layout) -> Array:
     """Return the state of the loop, (13,), from one in the form of the emitted equations."""
-    e, twist = state[emitted.at("orientation")], np.zeros(SIX)
+    e, twist = state[emitted.at("orientation")], np.zeros(_SIX)
     if "velocity" in emitted:
         turned = Rotation.from_quat(e, scalar_first=True)
         twist[TRANSLATION] = turned.apply(state[emitted.at("velocity")], inverse=True)
@@ -693,9 +693,9 @@ def _emitted(y: Array, velocities: Array, emitted: Layout) -> Array:
     return states
 
 
-_six, _square = np.zeros(SIX), np.zeros((SIX, SIX))
+_six, _square = np.zeros(_SIX), np.zeros((_SIX, _SIX))
 _RELAXATION = typeof(
     BodyRelaxation(
-        _six, _square, _square, _square, _six, 0.0, 0.0, np.zeros((SIX, NODES)), _square, _six
+        _six, _square, _square, _square, _six, 0.0, 0.0, np.zeros((_SIX, NODES)), _square, _six
     )
 )

@@ -1,10 +1,11 @@
 """Resistance of a body of revolution, by a single layer of rings.
 
-The flow of a moving body is that of forces f per area on its surface,
+Forces f per area on the surface of a moving body cause its flow (C. Pozrikidis, Boundary Integral
+and Singularity Methods, 1992, chapter 2),
 
-    u(x_0) = 1/(8 pi mu) int G(x_0 - x) f(x) dS,  G = 1/R + X X^T/R^3,  X = x_0 - x
+    u(x_0) = 1/(8 pi mu) int G(x_0 - x) f(x) dS,  G = 1/R + X X^T/R^3,  X = x_0 - x.
 
-(Pozrikidis, Boundary Integral and Singularity Methods, chapter 2). On a body of revolution f is
+On a body of revolution f is
 (f_r cos(m phi), f_p sin(m phi), f_z cos(m phi)). Motions along and about the axis have m = 0, and
 motions across it m = 1. Only the generating curve is divided, into panels with a polynomial each.
 

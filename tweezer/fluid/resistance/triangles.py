@@ -137,7 +137,7 @@ def _layer(corners: Array) -> Array:
 def _stokeslets(apart: Array, weights: Array) -> Array:
     """Return weighted sums of 1/R + X X^T/R^3 over the last axis but one of X, (..., 3, 3).
 
-    Points at the distance 0 count as far, because their sums are not used.
+    Where R is 0, the terms have any finite value, because such sums are not used.
     """
     square = np.einsum("...i,...i->...", apart, apart)
     single = weights / np.sqrt(np.where(square > 0, square, 1.0))
@@ -150,8 +150,9 @@ def _stokeslets(apart: Array, weights: Array) -> Array:
 def _own(corners: Array) -> Array:
     """Return the integrals of G over each triangle at its own centroid, (n, 3, 3).
 
-    Each edge and the centroid form a triangle. In polar coordinates about the centroid R^2 G and dS
-    leave an integral over the angle from the perpendicular to the edge, which has a closed form.
+    The triangle is divided into three, each with an edge and the centroid as its corners. In polar
+    coordinates about the centroid R^2 G and dS leave an integral over the angle from the
+    perpendicular to the edge, which has a closed form.
     """
     found = np.zeros((len(corners), 3, 3))
     apart = corners - corners.mean(axis=1, keepdims=True)

@@ -10,7 +10,7 @@ with d along z,
 with two 3j symbols and L from |n-n'| to n+n'. For waves that leave a neighbour h_L takes the place
 of j_L. Other directions follow by rotation. For helicity -1 each term has a sign (-1)^(n+n'+L).
 Hence the terms of even n+n'+L, whose sum is called A, couple electric to electric and magnetic to
-magnetic waves. The terms of odd n+n'+L, with the sum B, couple electric to magnetic waves.
+magnetic waves. The sum B of the terms of odd n+n'+L couples electric to magnetic waves.
 """
 
 from __future__ import annotations
