@@ -621,3 +621,11 @@ def test_gap_to_a_wall_depends_on_the_orientation_of_the_start():
     assert walled.gap(0.0) == pytest.approx(0.6e-6)
     lying = walled.replace(start={"orientation": [1, 0, 0]})
     assert lying.gap(0.0) == pytest.approx(0.8e-6)
+
+
+@pytest.mark.parametrize("shape", ["cone", "Sphere", ["a"], 3])
+def test_unknown_shape_is_refused_in_one_line(shape):
+    with pytest.raises(tweezer.SceneError) as refused:
+        tweezer.load_scene("silica-1um").replace(bead={"shape": shape})
+    (line,) = str(refused.value).splitlines()
+    assert line.startswith(f"bead.shape = {shape!r}: allowed: 'sphere', 'spheroid', ")

@@ -114,6 +114,9 @@ class Bead(Round):
         """Replace a diameter in the data by the radius; refuse size and index beside layers."""
         if not isinstance(data, dict):
             return data
+        if (shape := data.get("shape") or "sphere") not in list(SHAPES):
+            # at once, because the other keys depend on it
+            raise refusal(f"shape = {shape!r}: allowed: {', '.join(map(repr, SHAPES))}")
         if reason := follows(data):
             for key in ("radius", "diameter"):
                 if data.get(key) is not None:

@@ -107,9 +107,7 @@ def follows(data: Mapping[str, Any]) -> str:
 
     Keys in the data that belong to other shapes are refused.
     """
-    shape = SHAPES.get(str(data.get("shape") or "sphere"))
-    if shape is None:
-        return ""
+    shape = SHAPES[data.get("shape") or "sphere"]
     for key, names in ACCEPTING.items():
         if data.get(key) is not None and shape.name not in names and key not in _SAID:
             *others, last = names
