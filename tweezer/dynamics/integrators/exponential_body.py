@@ -25,7 +25,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numba import typeof
-from numpy.polynomial import legendre
 from scipy.spatial.transform import Rotation
 
 from tweezer.compiled import cached_njit, named_njit
@@ -97,8 +96,6 @@ _GAUSS = np.array([
     [sum(_TO_U[j, m] * c ** (m + 1) * INVERSE[m + 1] for m in range(NODES)) for j in range(NODES)]
     for c in PLACES
 ])  # fmt: skip
-#: Gauss's weights of a step
-_WEIGHTS = legendre.leggauss(NODES)[1] / 2
 
 
 class BodyRelaxation(NamedTuple):
