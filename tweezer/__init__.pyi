@@ -1,6 +1,6 @@
 from .calibration import Calibration, Surface, calibrate, find_wall, potential
 from .comparison import Comparison, compare
-from .dynamics import Event, bind, capture, chosen
+from .dynamics import Event, bind, capture, chosen, flip
 from .ensembles import escape_times
 from .ensembles.ensemble import ensemble
 from .fluid import wall_mobilities
@@ -86,6 +86,7 @@ __all__ = [
     "find_wall",
     "fit",
     "fit_depth",
+    "flip",
     "least_power",
     "light",
     "load",

@@ -27,6 +27,7 @@ from tweezer.dynamics import (
     integrators,
     solution,
 )
+from tweezer.dynamics.layout import Layout
 from tweezer.dynamics.solution import Solver
 from tweezer.forces.data import number, packed
 from tweezer.scene.choices import METHODS
@@ -353,7 +354,7 @@ def in_pieces(event, ends):
         def states(self, times):
             return np.stack([times, 0 * times, 0 * times], axis=1)
 
-    event = event.restarted(np.zeros(3))
+    event = event.restarted(np.zeros(3), Layout({"position": 3}))
     return [
         each for begin, end in itertools.pairwise(ends)
         for each in event.occurrences(Straight(begin, end))

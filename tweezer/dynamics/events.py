@@ -8,15 +8,18 @@ from typing import Protocol
 
 import numpy as np
 
-from tweezer.dynamics.layout import POSITION
+from tweezer.dynamics.layout import POSITION, Layout
 from tweezer.scene import Scene
-from tweezer.scene.arguments import in_si, numbers_in_si
 from tweezer.values.arrays import Array
 from tweezer.values.errors import IntegrationError, SceneError
-from tweezer.values.units import QuantitiesLike, QuantityLike
 
+#: Columns of the orientation in a pose
+EULER_PARAMETERS = slice(3, 7)
 #: Number of parts into which a time with a change of sign is divided
 _PARTS = 64
+#: Largest turn between two times at which an event of poses is evaluated, rad, and the most
+#: halvings that lead to it
+_TURN, _HALVINGS = 0.5, 12
 #: Depth of a minimum, over the rise that makes it count, below which it is not located at once
 _SHALLOW = 1e-3
 
@@ -50,6 +53,8 @@ class Occurrence:
     """(state,) state at this time"""
     certain: float
     """time at which the event was certain, s: later than `time` if its condition must persist"""
+    orientation: Array | None = None
+    """(4,) Euler parameters at this time, for an event of poses"""
 
 
 @dataclass
@@ -74,6 +79,9 @@ class Event:
         the time of the sign change; a terminal event ends the run when `hold` is over.
     ends_as : str, optional
         Status of a run that the event ends.
+    poses : bool, optional
+        Whether `value` receives poses (n, 7) instead of states: the position, m, and the Euler
+        parameters of the orientation, scalar first, from the body to the laboratory.
     """
 
     name: str
@@ -83,6 +91,12 @@ class Event:
     once: bool = False
     hold: float = 0.0
     ends_as: str = "ended"
+    poses: bool = False
+    _pose: Array | None = field(default=None, init=False, repr=False)
+    """(7,) columns of the pose in a state, for an event of poses"""
+    _spin: slice | None = field(default=None, init=False, repr=False)
+    """columns of e' or of the angular velocity in a state, for an event of poses in a dense output
+    """
     _sign: float = field(default=0.0, init=False, repr=False)
     """sign of the value at the end of the last piece; 0 before the first piece"""
     _since: Occurrence | None = field(default=None, init=False, repr=False)
@@ -92,27 +106,42 @@ class Event:
     _close: Array = field(default_factory=lambda: np.zeros(1), init=False, repr=False)
     """(state,) or (1,), changes of the states that do not count"""
 
-    def restarted(self, state: Array, close: Array | None = None) -> Event:
+    def restarted(self, state: Array, layout: Layout, close: Array | None = None) -> Event:
         """Return the same event for a new run.
 
         Parameters
         ----------
         state : ndarray, shape (state,)
             State at the beginning of the run.
+        layout : Layout
+            Layout of the states.
         close : ndarray, shape (state,), optional
             Change of the state that is negligible. If such a change can change the sign, the sign
-            is ignored, because rounding errors move even a bead at rest.
+            is ignored, because rounding errors move even a bead at rest. Default: for a motion that
+            is known at the ends of its steps alone.
 
         Raises
         ------
         SceneError
-            If `value` does not return one finite number for each time.
+            If `value` does not return one finite number for each time, or requires an orientation
+            that the run does not follow.
         """
         again = Event(
-            self.name, self.value, self.direction, self.terminal, self.once, self.hold, self.ends_as
-        )
+            self.name, self.value, self.direction, self.terminal, self.once, self.hold,
+            self.ends_as, self.poses,
+        )  # fmt: skip
+        if self.poses:
+            if "orientation" not in layout:
+                raise SceneError(
+                    f"event {self.name!r}: requires the orientation, which this run does not "
+                    "follow, because nothing rotates the bead"
+                )
+            columns = np.arange(layout.width)
+            again._pose = np.concatenate([columns[POSITION], columns[layout.at("orientation")]])
+            rates = [each for each in ("angular_velocity", "euler_rates") if each in layout]
+            again._spin = layout.at(rates[0]) if rates and close is not None else None
         try:
-            given = np.asarray(self.value(np.zeros(2), np.array([state, state])), np.float64)
+            given = again._value(np.zeros(2), np.array([state, state]))
         except Exception as error:
             raise SceneError(f"event {self.name!r}: {type(error).__name__}: {error}") from None
         if given.shape != (2,) or not np.isfinite(given).all():
@@ -127,7 +156,7 @@ class Event:
         """Yield the occurrences in a piece; pieces must be passed in the order of time."""
         if self._done:
             return
-        times = piece.checkpoints()
+        times = self._checkpoints(piece)
         signs = self._signs(piece, times)
         if self._sign == 0.0:  # a run that begins at 0 begins on the side where it goes
             self._sign = float(signs[np.flatnonzero(signs)[:1]].sum())
@@ -144,6 +173,22 @@ class Event:
                 return
         yield from self._held(piece.end)
 
+    def _checkpoints(self, piece: Piece) -> Array:
+        """Return the checkpoints of a piece, (n,) s; for poses, close enough to follow the turns.
+
+        A step may contain several turns of a spinning bead. Intervals are halved until the body
+        turns by less than `_TURN` in each.
+        """
+        times = piece.checkpoints()
+        for _ in range(_HALVINGS if self._spin is not None else 0):
+            # the angular speed is 2|e'|; if the state contains it, this is twice its value
+            speed = 2 * np.linalg.norm(piece.states(times)[:, self._spin], axis=1)
+            rough = np.maximum(speed[:-1], speed[1:]) * np.diff(times) > _TURN
+            if not rough.any():
+                break
+            times = np.sort(np.concatenate([times, (times[:-1] + times[1:])[rough] / 2]))
+        return times
+
     def _signs(self, piece: Piece, times: Array) -> Array:
         """Return the signs of the value at times (n,), s; 0 where the change by `_close` may change
         the sign.
@@ -157,7 +202,7 @@ class Event:
         for k in range(states.shape[1]):
             moved = states.copy()
             moved[:, k] += self._close[min(k, len(self._close) - 1)]
-            doubt += np.abs(np.asarray(self.value(times, moved), np.float64) - values)
+            doubt += np.abs(self._value(times, moved) - values)
         return np.where(np.abs(values) > doubt, signs, 0.0)
 
     def _changed(self, piece: Piece, time: float) -> Iterator[Occurrence]:
@@ -184,13 +229,30 @@ class Event:
 
     def _at(self, piece: Piece, time: float, certain: float) -> Occurrence:
         """Return the occurrence at a time, s, that is certain at the time `certain`, s."""
-        return Occurrence(self.name, time, piece.states(np.array([time]))[0], certain)
+        state = piece.states(np.array([time]))
+        turned = None if self._pose is None else self._poses_in(state)[0, EULER_PARAMETERS]
+        return Occurrence(self.name, time, state[0], certain, turned)
+
+    def value_at(self, state: Array) -> float:
+        """Return the value at a state (state,) at time 0."""
+        return float(self._value(np.zeros(1), state[None])[0])
+
+    def _value(self, times: Array, states: Array) -> Array:
+        """Return what `value` returns for times (n,), s, and states (n, state)."""
+        given = states if self._pose is None else self._poses_in(states)
+        return np.asarray(self.value(times, given), np.float64)
+
+    def _poses_in(self, states: Array) -> Array:
+        """Return the poses (n, 7) in states (n, state), with Euler parameters of length 1."""
+        poses = states[:, self._pose]
+        poses[:, EULER_PARAMETERS] /= np.linalg.norm(poses[:, EULER_PARAMETERS], axis=1)[:, None]
+        return poses
 
     def _values(self, piece: Piece, times: Array) -> Array:
         """Return the values of the function at ascending times, (n,); raise `IntegrationError` if
         not finite.
         """
-        values = np.asarray(self.value(times, piece.states(times)), dtype=np.float64)
+        values = self._value(times, piece.states(times))
         if not np.isfinite(values).all():
             raise IntegrationError(f"the value of the event {self.name!r} is not finite")
         return values
@@ -263,7 +325,12 @@ class ClosestApproach(Event):
     rise: float = 0.0
     _lowest: _Low | None = field(default=None, init=False, repr=False)
 
-    def restarted(self, state: Array, close: Array | None = None) -> Event:  # noqa: ARG002
+    def restarted(
+        self,
+        state: Array,  # noqa: ARG002
+        layout: Layout,  # noqa: ARG002
+        close: Array | None = None,  # noqa: ARG002
+    ) -> Event:
         """Return the same event for a new run."""
         return closest_approach(self.rise)
 
@@ -336,47 +403,6 @@ def loss(distance: float) -> Event:
     return Event(
         "loss", lambda _, y: np.linalg.norm(y[:, POSITION], axis=1) - distance, direction=1,
         terminal=True, ends_as="lost",
-    )  # fmt: skip
-
-
-def capture(
-    radius: QuantityLike,
-    time: QuantityLike,
-    centre: QuantitiesLike = (0.0, 0.0, 0.0),
-    *,
-    terminal: bool = False,
-) -> Event:
-    """Return the event that the bead comes within `radius` of `centre` and stays there for `time`.
-
-    Parameters
-    ----------
-    radius : float or str
-        Largest distance from `centre`, m.
-    time : float or str
-        Time for which the bead must stay, s. The time of the event is the time of the approach.
-    centre : array_like, shape (3,), optional
-        Position, m from the focus. Default: the focus.
-    terminal : bool, optional
-        Whether the event ends the run, once the bead has stayed for `time`.
-
-    Returns
-    -------
-    Event
-        Event for `tweezer.simulate(scene, events=[...])`. It counts once.
-
-    Examples
-    --------
-    >>> event = tweezer.capture("0.3 um", "1 ms", terminal=True)
-    >>> run = tweezer.simulate("silica-1um", "2 ms", events=[event])
-    >>> run.status
-    'ended'
-    """
-    radius, time = in_si("radius", radius, "m"), in_si("time", time, "s")
-    place = numbers_in_si("centre", centre, "m", SceneError)
-    return Event(
-        "capture",
-        lambda _, y: np.linalg.norm(y[:, POSITION] - place, axis=1) - radius,
-        direction=-1, terminal=terminal, once=True, hold=time,
     )  # fmt: skip
 
 

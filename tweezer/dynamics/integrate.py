@@ -122,7 +122,7 @@ def integrate(
     if method == "auto":
         method, _ = method_for(equations)
     start, close = equations.begin_state, UNTOLD * equations.absolute_tolerance
-    events = [event.restarted(start, close) for event in events]
+    events = [event.restarted(start, equations.layout, close) for event in events]
     so_far = _SoFar(equations, times, [start[None]], most_held)
     force = equations.force
     forget_faults(force)

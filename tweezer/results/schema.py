@@ -30,11 +30,15 @@ _LARGEST_POSITION = 1e9
 
 
 class Event(BaseModel):
-    """Event in the attributes of a run: name, time (s) and position (m)."""
+    """Event in the attributes of a run."""
 
     name: str
     time: float
+    """s"""
     position: tuple[float, float, float]
+    """m"""
+    orientation: tuple[float, float, float, float] | None = None
+    """Euler parameters, for an event of poses"""
 
 
 class _Attributes(BaseModel):

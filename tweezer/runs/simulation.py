@@ -82,8 +82,8 @@ def simulate(
     fixed, so it has no tolerances, and the integration error is NaN. Models without inertia have no
     velocity. Events are detected at the ends of steps and located by linear interpolation between
     them, to within a step (`event_resolution`, s). An event that begins and ends within one step is
-    missed (`tweezer.dynamics.brownian.stepwise`). Events depend on the position and, in models with
-    inertia, on the velocity. The first closest approach is not searched.
+    missed (`tweezer.dynamics.brownian.stepwise`). Events depend on the position, the orientation
+    and, in models with inertia, on the velocities. The first closest approach is not searched.
 
     A continued run begins at the end of the earlier run, with the same position, orientation,
     velocities and hydrodynamic memory. Model, method and sampling interval are the same. With
@@ -283,13 +283,14 @@ def _end(equations: EquationsOfMotion, result: Integration, budget: ErrorBudget)
 
 
 def _as_text(events: Sequence[Occurrence]) -> str:
-    """Return events as JSON for the attribute of a run: name, time (s) and position (m)."""
-    return json.dumps(
-        [
-            {"name": event.name, "time": event.time, "position": event.state[POSITION].tolist()}
-            for event in events
-        ]
-    )
+    """Return events as JSON for the attribute of a run: name, time (s), position (m) and, for an
+    event of poses, Euler parameters.
+    """
+    return json.dumps([
+        {"name": event.name, "time": event.time, "position": event.state[POSITION].tolist()}
+        | ({} if event.orientation is None else {"orientation": event.orientation.tolist()})
+        for event in events
+    ])  # fmt: skip
 
 
 @dataclass
@@ -331,7 +332,7 @@ class _Followed:
         if begun:
             bound.go_on(begun, state[0])
             columns[:, 0] = begun.begin.state
-        return cls(bound, first, state, columns, Watch(events, columns[0, 0]))
+        return cls(bound, first, state, columns, Watch(events, columns[0, 0], bound.shown))
 
     @property
     def lost(self) -> float:

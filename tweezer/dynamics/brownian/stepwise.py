@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tweezer.dynamics.events import Event, Occurrence, ending
+from tweezer.dynamics.layout import Layout
 from tweezer.values.arrays import Array
 
 
@@ -48,8 +49,8 @@ class Line:
 class Watch:
     """Events of a run, located while it proceeds."""
 
-    def __init__(self, events: Sequence[Event], start: Array) -> None:
-        self._events = [event.restarted(start) for event in events]
+    def __init__(self, events: Sequence[Event], start: Array, layout: Layout) -> None:
+        self._events = [event.restarted(start, layout) for event in events]
         self.happened: list[Occurrence] = []
         self.status, self.message = "", ""
         """of a run that an event ended; empty before"""
