@@ -170,7 +170,7 @@ class Flip(Event):
 
 
 def turned(poses: Array, axis: Array) -> Array:
-    """Return the directions (n, 3) in the laboratory of an axis (3,) of the body, for poses (n, 7)."""
+    """Return the directions (n, 3) in the laboratory of a body's axis (3,) in poses (n, 7)."""
     from scipy.spatial.transform import Rotation  # runs without such events do without
 
     e = poses[:, EULER_PARAMETERS]
