@@ -135,6 +135,9 @@ class Shape:
     resistance: str = ""
     """"module:name" of the function that returns the resistance matrix of a bead, its relative
     error and the method; "" if the surface is not known"""
+    surface: str = ""
+    """"module:name" of the function that returns the `Surface` of a bead for drawing; "" for a
+    sphere, and if the surface is not known"""
     needs: tuple[str, ...] = ()
     """keys that it requires"""
     may: tuple[str, ...] = ()
@@ -162,6 +165,7 @@ _OPTICS = "tweezer.optics"
 _BODIES = f"{_OPTICS}.bodies.shapes"
 _SOLIDS = "tweezer.scene.solids"
 _DRAG = "tweezer.fluid.resistance.of_shapes"
+_DRAWN = "tweezer.scene.surfaces"
 
 MODELS: dict[str, Model] = _by_name(
     Model("full", "all inertia (A.25)", "full", inertia=True),
@@ -239,31 +243,32 @@ SHAPES: dict[str, Shape] = _by_name(
           may=("layers", "moments_of_inertia")),
     Shape("spheroid", "an ellipsoid of revolution, `diameter` across its axis and `length` along "
           "it", "spheroid, {diameter} across, {length} along its axis", f"{_SOLIDS}:spheroid",
-          f"{_BODIES}:spheroid", f"{_DRAG}:spheroid", ("length",)),
+          f"{_BODIES}:spheroid", f"{_DRAG}:spheroid", f"{_DRAWN}:spheroid", ("length",)),
     Shape("spheres", "a rigid cluster of `spheres`", "{spheres} spheres within {diameter}",
-          f"{_SOLIDS}:cluster", f"{_BODIES}:cluster", f"{_DRAG}:row", ("spheres",), index=False,
-          sized=False),
+          f"{_SOLIDS}:cluster", f"{_BODIES}:cluster", f"{_DRAG}:row", f"{_DRAWN}:cluster",
+          ("spheres",), index=False, sized=False),
     Shape("t-matrix", "any body, with the T-matrix in a `file`; `diameter` encloses it",
           "body in {file}, within {diameter}", "tweezer.scene.sphere:sphere",
           f"{_BODIES}:from_file", needs=("file",), may=("moments_of_inertia",), index=False),
     Shape("ellipsoid", "an ellipsoid with `semi_axes` along x, y and z of the body",
           "ellipsoid with semi-axes {semi_axes}", f"{_SOLIDS}:ellipsoid", f"{_BODIES}:ellipsoid",
-          f"{_DRAG}:ellipsoid", ("semi_axes",), ("t_matrix",), index=None, sized=False),
+          f"{_DRAG}:ellipsoid", f"{_DRAWN}:ellipsoid", ("semi_axes",), ("t_matrix",), index=None,
+          sized=False),
     Shape("cylinder", "a cylinder about z of the body, with `diameter` and `length`",
           "cylinder, {diameter} across, {length} long", f"{_SOLIDS}:cylinder", _FILE,
-          f"{_DRAG}:cylinder", ("length",), ("t_matrix",), index=False),
+          f"{_DRAG}:cylinder", f"{_DRAWN}:cylinder", ("length",), ("t_matrix",), index=False),
     Shape("capsule", "a cylinder with half spheres at its ends, `length` over all",
           "capsule, {diameter} across, {length} long", f"{_SOLIDS}:capsule", _FILE,
-          f"{_DRAG}:capsule", ("length",), ("t_matrix",), index=False),
+          f"{_DRAG}:capsule", f"{_DRAWN}:capsule", ("length",), ("t_matrix",), index=False),
     Shape("profile", "a body of revolution about z with the `points` of its profile",
           "profile within {diameter}", f"{_SOLIDS}:profile", _FILE, f"{_DRAG}:profile",
-          ("points",), ("t_matrix",), index=False, sized=False),
+          f"{_DRAWN}:profile", ("points",), ("t_matrix",), index=False, sized=False),
     Shape("mesh", "a closed mesh in a `file`", "mesh in {file}, within {diameter}",
-          "tweezer.scene.meshes:mesh", _FILE, f"{_DRAG}:mesh", ("file", "scale"), ("t_matrix",),
-          index=False, sized=False),
+          "tweezer.scene.meshes:mesh", _FILE, f"{_DRAG}:mesh", f"{_DRAWN}:mesh", ("file", "scale"),
+          ("t_matrix",), index=False, sized=False),
     Shape("given", "any body with the numbers in `given`; `diameter` encloses it",
-          "given body within {diameter}", f"{_SOLIDS}:given", _FILE, f"{_DRAG}:given", ("given",),
-          ("t_matrix",), index=False),
+          "given body within {diameter}", f"{_SOLIDS}:given", _FILE, f"{_DRAG}:given",
+          needs=("given",), may=("t_matrix",), index=False),
 )  # fmt: skip
 
 

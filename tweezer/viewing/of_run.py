@@ -6,19 +6,21 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from tweezer.dynamics import Problem, bound_once
+from tweezer.dynamics.layout import TRANSLATION
+from tweezer.forces.force import Force
 from tweezer.optics import Beams, ray_optics_caveat
 from tweezer.results.io import scene_of
 from tweezer.results.run import Run
 from tweezer.runs.resolved import resolved
 from tweezer.runs.summary import Summary, summary_of
 from tweezer.scene import Scene
-from tweezer.scene.bead import bead_properties
 from tweezer.scene.heading import heading, of_changes
 from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
-from tweezer.values.errors import ResultError, SceneError
+from tweezer.values.errors import ResultError
 from tweezer.values.prefixes import per
 from tweezer.viewing.arrays import Packed, float32
 from tweezer.viewing.content import Content, Row
@@ -36,23 +38,19 @@ _FEWEST = 6
 #: Variables of a run that its page shows unchanged, with their units
 _AS_THEY_ARE = {
     "time": "s", "position": "m", "orientation": "1", "speed": "m/s", "terminal_speed": "m/s",
-    "distance": "m", "gap": "m",
+    "distance": "m", "gap": "m", "angular_velocity": "rad/s",
 }  # fmt: skip
 
 
 def content(dataset: xr.Dataset) -> Content:
     """Return the content of the page of a run. Raises `ResultError` if its scene is not valid."""
     run, scene = Run.of(dataset), scene_of(dataset)
-    if scene.bead.shape != "sphere":
-        raise SceneError(
-            f"bead.shape = {scene.bead.shape!r}: has no interactive page; use `tweezer run --plot`"
-        )
     if not np.isfinite(run["position"]).all():
         raise ResultError("contains samples without a position, which cannot be shown")
     problem = bound_once(scene)
     thermal, close = scene.forces.brownian, resolved(run)
     forces, about_forces = _forces(run, problem)
-    energies, about_energies = _energies(run, forces, scene, close=close)
+    energies, about_energies = _energies(run, forces, problem, close=close)
     arrays = {name: float32(run[name], unit) for name, unit in _AS_THEY_ARE.items() if name in run}
     arrays |= {f"force_{name}": float32(values, "N") for name, values in forces.items()}
     arrays |= {f"energy_{name}": float32(values, "kT") for name, values in energies.items()}
@@ -71,7 +69,7 @@ def content(dataset: xr.Dataset) -> Content:
             "subtitle": f"{summary.outcome} after {si(summary.outcome_time, 's')}",
         },
         arrays=arrays,
-        summary=_rows(run, scene, summary),
+        summary=_rows(run, problem, summary),
         notes=[
             *of_changes(scene), *_of_the_summary(summary),
             *_of_the_path(run, scene, close=close), *about_forces,
@@ -124,15 +122,14 @@ def _forces(run: Run, problem: Problem) -> tuple[dict[str, Array], list[str]]:
         return forces, [
             "This model has no inertia. Drag balances all other forces, so the sum is zero."
         ]
-    mobility = problem.mobilities(run["position"], run["time"])[:, :3]
-    drag = -run["velocity"] / mobility
+    drag, by = _steady_drag(run, problem)
     forces |= {"drag": drag, "sum": net + drag}
     if run.attributes["fluid_inertia"] != "none" and len(run["time"]) >= _FEWEST:
-        change = bead_properties(scene).mass * _slope(run["velocity"], run["time"])
+        change = problem.bead.mass * _slope(run["velocity"], run["time"])
         forces |= {"fluid": change - net - drag, "sum": change}
-        error = _error_of_slope(change, run["velocity"], run["time"], bead_properties(scene).mass)
+        error = _error_of_slope(change, run["velocity"], run["time"], problem.bead.mass)
         return forces, [
-            "Drag is the steady drag, minus velocity over mobility. The inertia of the fluid is "
+            f"Drag is the steady drag, {by}. The inertia of the fluid is "
             "the remaining force of the water: added mass and, with memory, the Basset force. "
             "The sum is mass times acceleration of the bead. The acceleration follows from the "
             "velocity differences between samples. If only every second sample is used, mass times "
@@ -148,7 +145,19 @@ def _forces(run: Run, problem: Problem) -> tuple[dict[str, Array], list[str]]:
         means = "mass times acceleration of the bead, to the first order of its relaxation time"
     else:
         means = "mass times acceleration of the bead"
-    return forces, [f"Drag is the steady drag, minus velocity over mobility. The sum is {means}."]
+    return forces, [f"Drag is the steady drag, {by}. The sum is {means}."]
+
+
+def _steady_drag(run: Run, problem: Problem) -> tuple[Array, str]:
+    """Return the steady drag at the samples, (n, 3) N, and in words how it is computed."""
+    velocity = run["velocity"]
+    if problem.body is None:
+        mobility = problem.mobilities(run["position"], run["time"])[:, TRANSLATION]
+        return -velocity / mobility, "minus velocity over mobility"
+    turned = Rotation.from_quat(run["orientation"], scalar_first=True)
+    twist = np.hstack([turned.apply(velocity, inverse=True), run["angular_velocity"]])
+    drag: Array = -turned.apply(twist @ problem.body.resistance[TRANSLATION].T)
+    return drag, "minus the resistance of the body times its velocity and angular velocity"
 
 
 def _slope(values: Array, times: Array) -> Array:
@@ -166,7 +175,7 @@ def _error_of_slope(change: Array, velocity: Array, times: Array, mass: float) -
 
 
 def _energies(
-    run: Run, forces: dict[str, Array], scene: Scene, *, close: bool
+    run: Run, forces: dict[str, Array], problem: Problem, *, close: bool
 ) -> tuple[dict[str, Array], list[str]]:
     """Return the energies of the bead, (n,) by name in kT, and notes on them.
 
@@ -174,7 +183,9 @@ def _energies(
     sample its error is four times as large, so a third of the difference estimates it.
 
     `forces` contains (n, 3) N by name. If not `close`, samples are too far apart to sum the work.
+    For a body that is not a sphere, the work of the torques is included.
     """
+    scene = problem.scene
     unit = Boltzmann * scene.medium.temperature
     energies = {}
     if "kinetic_energy" in run:
@@ -185,33 +196,59 @@ def _energies(
     if not close:
         notes.append("The work of the light is not shown because the samples are too far apart.")
         return energies, notes
-    work = _work(forces["light"], run["position"]) / unit
-    halved = _work(forces["light"][::2], run["position"][::2]) / unit
+    light = _with_torque(forces["light"], run, problem, problem.light)
+    work = _work(light, run, problem) / unit
+    halved = _work(light, run, problem, every=2) / unit
     error = float(np.abs(work[::2] - halved).max(initial=0.0)) / 3
     energies["work"] = work
+    turning = "" if problem.body is None else "and of its torque over the rotation "
     notes.append(
-        "Work of the light is the integral of its force along the path since the release, by the "
-        "trapezoidal rule from sample to sample. Its error, estimated with half the samples, is "
+        f"Work of the light is the integral of its force along the path {turning}since the "
+        "release, by the trapezoidal rule from sample to sample. Its error, estimated with half "
+        "the samples, is "
         f"{error:.1g} kT. The force of light has no potential in general, so no potential energy "
         "is shown."
     )
     if not scene.forces.brownian and "kinetic" in energies:
         net = sum(values for name, values in forces.items() if name not in ("drag", "sum"))
-        every = _work(np.asarray(net), run["position"]) / unit
-        moving = 0.5 * bead_properties(scene).mass * (run["velocity"] ** 2).sum(axis=1) / unit
-        energies["lost"] = every - (moving - moving[0])
+        every = _work(_with_torque(np.asarray(net), run, problem, problem.force), run, problem)
+        if problem.body is None:
+            moving = 0.5 * problem.bead.mass * (run["velocity"] ** 2).sum(axis=1)
+        else:
+            moving = run["kinetic_energy"]
+        energies["lost"] = (every - (moving - moving[0])) / unit
+        of_motion, torques = (
+            ("translational kinetic energy", "")
+            if problem.body is None
+            else ("kinetic energy", "and torques ")
+        )
         notes.append(
-            "The energy given to the water is the work of all forces except drag, minus the gain "
-            "of the bead's translational kinetic energy. It becomes heat and motion of the water."
+            f"The energy given to the water is the work of all forces {torques}except drag, minus "
+            f"the gain of the bead's {of_motion}. It becomes heat and motion of the water."
         )
     return energies, notes
 
 
-def _work(force: Array, position: Array) -> Array:
-    """Return the work (n,), J, of a force (n, 3), N, along the path (n, 3), m, from the first
-    sample.
+def _with_torque(force: Array, run: Run, problem: Problem, acting: Force) -> Array:
+    """Return a force at the samples, (n, 3) N, for a body with the torque of `acting`, (n, 6)."""
+    if problem.body is None:
+        return force
+    found = acting.field(run["position"], time=run["time"], orientations=run["orientation"])
+    return np.hstack([force, found.moment])
+
+
+def _work(wrench: Array, run: Run, problem: Problem, *, every: int = 1) -> Array:
+    """Return the work, J, of a force, or a force and torque, since the first sample.
+
+    `wrench` is (n, 3) N, or (n, 6) in N and N m. Only every so many samples are used.
     """
-    steps = 0.5 * ((force[1:] + force[:-1]) * np.diff(position, axis=0)).sum(axis=1)
+    wrench = wrench[::every]
+    moved = np.diff(run["position"][::every], axis=0)
+    if problem.body is not None:
+        turned = Rotation.from_quat(run["orientation"][::every], scalar_first=True)
+        about = (turned[1:] * turned[:-1].inv()).as_rotvec()
+        moved = np.hstack([moved, about.reshape(-1, 3)])
+    steps = 0.5 * ((wrench[1:] + wrench[:-1]) * moved).sum(axis=1)
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
@@ -255,12 +292,11 @@ def _origin(run: Run, scene: Scene) -> list[str]:
     return [f"{computed_by(attributes)}{drawn}"]
 
 
-def _rows(run: Run, scene: Scene, summary: Summary) -> list[Row]:
+def _rows(run: Run, problem: Problem, summary: Summary) -> list[Row]:
     """Return the lines of the summary of a run: outcome, errors, models and settings."""
-    attributes = run.attributes
+    attributes, scene = run.attributes, problem.scene
     thermal, ended = scene.forces.brownian, attributes["status"] not in _ENDED
     seen = thermal or not summary.by_samples
-    bead = bead_properties(scene)
     rows = [
         _row("outcome", f"{summary.outcome}{summary.untold}", trusted=ended and seen),
         _found("at the time", summary.outcome_time, summary.outcome_time_error, "s", seen=seen),
@@ -299,11 +335,18 @@ def _rows(run: Run, scene: Scene, summary: Summary) -> list[Row]:
     if scene.draws:
         rows.append(_row("seed", str(attributes["seed"])))
     rows += [
-        _row("radius of the bead", si(scene.bead.radius, "m", 4)),
-        _row("weight less buoyancy", si(-bead.weight[2], "N")),
+        _size(scene),
+        _row("weight less buoyancy", si(-problem.bead.weight[2], "N")),
         _row("samples", f"{len(run['time'])}"),
     ]
     return rows
+
+
+def _size(scene: Scene) -> Row:
+    """Return the line of the summary for the size of the bead."""
+    if scene.bead.shape == "sphere":
+        return _row("radius of the bead", si(scene.bead.radius, "m", 4))
+    return _row("body", scene.bead.size_in_words)
 
 
 def _approach(summary: Summary, *, seen: bool) -> list[Row]:

@@ -5,8 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from tweezer.optics import cone_caveat, drawn_half_angle, ray_optics_caveat
 from tweezer.scene import Scene
+from tweezer.scene.surfaces import surface_of
+from tweezer.viewing.arrays import float32
 
 
 def scene_facts(scene: Scene) -> dict[str, Any]:
@@ -15,6 +19,7 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
     """
     return {
         "shells": [radius for radius, _ in scene.bead.shells],
+        **_body(scene),
         "beams": [
             {
                 "focus": list(beam.position),
@@ -31,6 +36,37 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
     }
 
 
+def _body(scene: Scene) -> dict[str, Any]:
+    """Return the surface of a body in its frame, and the axes whose directions the page plots.
+
+    The result is empty for a sphere. A body whose surface is not known has none, and is drawn as
+    the sphere that encloses it.
+    """
+    if scene.bead.shape == "sphere":
+        return {}
+    found = surface_of(scene.bead)
+    packed = found and {
+        name: float32(values, unit).as_json()
+        for name, values, unit in zip(found._fields, found, ("m", "1", "1"), strict=True)
+    }
+    return {
+        "shells": [scene.body.size],
+        "body": {"surface": packed, "plotted_axes": _plotted_axes(scene)},
+    }
+
+
+def _plotted_axes(scene: Scene) -> list[int]:
+    """Return the axis about which the inertia of a body is the same all around; else z and x."""
+    inertia = np.array(scene.body.inertia)
+    same = _SAME_INERTIA * np.trace(inertia)
+    moments = np.diag(inertia)
+    if np.abs(inertia - np.diag(moments)).max() <= same:
+        alike = [abs(moments[k - 1] - moments[k - 2]) <= same for k in range(3)]
+        if sum(alike) == 1:
+            return [alike.index(True)]
+    return [2, 0]
+
+
 def _walls(scene: Scene) -> list[dict[str, Any]]:
     """Return the planes that bound the fluid, walls and cover glass, by height z, m.
 
@@ -44,6 +80,8 @@ def _walls(scene: Scene) -> list[dict[str, Any]]:
     return [{"z": z, "normal": normal, "name": name} for z, (normal, name) in planes.items()]
 
 
+#: Relative difference below which two moments of inertia are the same
+_SAME_INERTIA = 1e-6
 #: Distance below which a wall and the cover glass are the same plane, m
 _SAME = 1e-12
 
@@ -52,7 +90,7 @@ def of_the_picture(scene: Scene) -> list[str]:
     """Return the notes on how to read the picture of a scene, and its limitations."""
     turns = (
         "The pattern on the bead shows its rotation."
-        if scene.rotates
+        if scene.rotates or scene.bead.shape != "sphere"
         else "The pattern on the bead does not turn, because no torque acts on it or its rotation "
         "was not computed."
     )
@@ -61,5 +99,10 @@ def of_the_picture(scene: Scene) -> list[str]:
         "drawn with a waist of half the wavelength over the sine of their angle. Its shade does "
         "not represent the intensity."
     ]
+    if scene.bead.shape != "sphere" and surface_of(scene.bead) is None:
+        notes.append(
+            "The surface of the body is not known. The picture shows the sphere that encloses it, "
+            "and the x, y and z axes of the body."
+        )
     caveats = filter(None, (cone_caveat(scene), ray_optics_caveat(scene)))
     return [*notes, *(f"{caveat[0].upper()}{caveat[1:]}." for caveat in caveats)]

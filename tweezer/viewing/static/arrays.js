@@ -21,6 +21,16 @@ export function column(values, k, width, factor = 1) {
   return taken;
 }
 
+// Directions of the x, y and z axes of a body, by its Euler parameters e0 to e3 of any length.
+export function axesOf([a, b, c, d]) {
+  const size = a * a + b * b + c * c + d * d;
+  return [
+    [a * a + b * b - c * c - d * d, 2 * (b * c + a * d), 2 * (b * d - a * c)],
+    [2 * (b * c - a * d), a * a - b * b + c * c - d * d, 2 * (c * d + a * b)],
+    [2 * (b * d + a * c), 2 * (c * d - a * b), a * a - b * b - c * c + d * d],
+  ].map((axis) => axis.map((x) => x / size));
+}
+
 // Index i with times[i] <= t < times[i + 1], and the part of that interval passed.
 export function locate(times, t) {
   const last = times.length - 1;

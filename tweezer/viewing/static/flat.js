@@ -1,9 +1,9 @@
 // The picture where the browser has no WebGL: the same things as `stage.js` draws, as lines and
 // circles on a plain canvas, seen from the same directions.
-import { scaled, text } from "tweezer/arrays";
+import { axesOf, scaled, text } from "tweezer/arrays";
 import { nice } from "tweezer/clock";
 import { make } from "tweezer/shell";
-import { VIEWS } from "tweezer/stage";
+import { VIEWS, triangles } from "tweezer/stage";
 
 // Directions of the screen's axes, to the right and up, seen from a direction
 function axes([x, y, z]) {
@@ -149,18 +149,44 @@ export class Flat {
     return { group, colour: (given) => { colours = given; }, upTo: (index) => { last = index; } };
   }
 
-  bead(shells) {
-    let at = [0, 0, 0];
+  // `body`, of a bead that is not a sphere: its surface, or none, where axes stick out of the sphere.
+  bead(shells, body) {
+    let at = [0, 0, 0], columns = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+    const surface = body?.surface && triangles(body.surface);
+    // from the frame of the bead to the picture, um
+    const moved = ([x, y, z]) => at.map((c, i) => c + columns[0][i] * x + columns[1][i] * y + columns[2][i] * z);
+    const vertex = (k) => moved(surface.vertices.subarray(3 * k, 3 * k + 3));
     const group = this.add((pen) => {
-      for (const radius of shells) {
-        pen.fillStyle = this.shell.colour("bead-dark");
-        pen.strokeStyle = this.shell.colour("bead-rim");
+      pen.fillStyle = this.shell.colour("bead-dark");
+      pen.strokeStyle = this.shell.colour("bead-rim");
+      if (surface) {
+        const places = Array.from({ length: surface.vertices.length / 3 }, (_, k) => this.place(vertex(k)));
+        const { faces } = surface;
+        pen.beginPath();
+        for (let i = 0; i < faces.length; i += 3) {
+          const [a, b, c] = [places[faces[i]], places[faces[i + 1]], places[faces[i + 2]]];
+          // the sides that face the eye, which cover the body
+          if ((b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0])) continue;
+          pen.moveTo(...a); pen.lineTo(...b); pen.lineTo(...c); pen.closePath();
+        }
+        pen.lineWidth = 3; pen.lineJoin = "round"; pen.stroke(); pen.fill();
+      } else for (const radius of shells) {
         pen.globalAlpha = 0.35;
         pen.beginPath(); pen.arc(...this.place(at), radius * this.scale, 0, 7); pen.fill();
         pen.globalAlpha = 1; pen.stroke();
       }
+      if (body) ["x", "y", "z"].forEach((name, k) => this.line(pen,
+        [at, moved([0, 1, 2].map((i) => (i === k ? 1.35 * shells.at(-1) : 0)))], name, 2));
     });
-    return { group, place: (position) => { at = position; }, at: () => at };
+    return {
+      group, at: () => at, vertex,
+      place: (position, euler) => {
+        at = position;
+        if (euler) columns = axesOf(euler);
+      },
+      // The axes of the bead, as columns of a matrix (4, 4).
+      turned: () => [...columns.flatMap((column) => [...column, 0]), 0, 0, 0, 1],
+    };
   }
 
   arrow(colour) {

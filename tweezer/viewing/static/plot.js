@@ -17,7 +17,7 @@ export class Plot {
     this.dots = curves.map(({ colour }) => make("span", { class: "dot", style: `background: var(--${colour})` }));
     this.legend = make("div", { class: "legend" });
     this.shown = curves.map((curve) => make("span", { class: "number" }));
-    this.legend.append(make("h2", {}, `${options.title} (${options.unit})`), ...curves.map((curve, i) =>
+    this.legend.append(make("h2", {}, options.title + (options.unit && ` (${options.unit})`)), ...curves.map((curve, i) =>
       make("span", { class: "entry" }, swatch(curve), ` ${curve.name} `, this.shown[i])));
     // what is clicked takes keys
     this.tip = make("span", { class: "tip", hidden: true });
@@ -121,7 +121,7 @@ export class Plot {
       }
       return `${name} from ${text(low)} to ${text(high)}`;
     });
-    this.back.setAttribute("aria-label", `${title} in ${unit} over ${this.x.name}: ${each.join("; ")}` +
+    this.back.setAttribute("aria-label", `${title}${unit && ` in ${unit}`} over ${this.x.name}: ${each.join("; ")}` +
       (this.partly ? `; what is below ${text(this.range[0], 2)} ${unit} is not drawn` : ""));
   }
 

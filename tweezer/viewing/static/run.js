@@ -1,5 +1,5 @@
 // The page of a run: the bead moves in the light; forces, path and plots go with it.
-import { column, locate, scaled, text } from "tweezer/arrays";
+import { axesOf, column, locate, scaled, text } from "tweezer/arrays";
 import { VIRIDIS, shade } from "tweezer/chart";
 import { Clock, nice } from "tweezer/clock";
 import { Plot, swatch } from "tweezer/plot";
@@ -39,7 +39,7 @@ export function start(content, shell) {
   const sheets = walls.map(({ z, normal, name }) => stage.wall(1e6 * z, normal, name));
   const beams = facts.beams.map((beam) => stage.beam(beam, 1.5 * reach));
   const path = stage.path(place, facts.resolved);
-  const bead = stage.bead(facts.shells.map((r) => 1e6 * r));
+  const bead = stage.bead(facts.shells.map((r) => 1e6 * r), facts.body);
   const clock = new Clock(shell, times);
 
   // ---- where everything is at a time
@@ -136,6 +136,8 @@ export function start(content, shell) {
     duration: [clock.first, clock.last],
     // Where the bead is on the screen, and how it is turned: for tests.
     bead: () => ({ pixel: stage.pixel(bead.at()), turned: bead.turned?.() }),
+    // Where a vertex of the surface of a body is, um: for tests.
+    vertex: bead.vertex,
     // Hide or show a part of the picture.
     show: (name, on) => {
       const parts = { light: beams, path: [path], bead: [bead], arrows: forces.map(({ arrow }) => arrow) };
@@ -152,7 +154,7 @@ export function start(content, shell) {
 // Columns of the samples of a run, in SI units, by their headings.
 function samples(shell) {
   const columns = { "time (s)": shell.array("time") };
-  const vectors = { position: "m", velocity: "m/s", ...Object.fromEntries(Object.keys(FORCES).map((name) => [`force_${name}`, "N"])) };
+  const vectors = { position: "m", velocity: "m/s", angular_velocity: "rad/s", ...Object.fromEntries(Object.keys(FORCES).map((name) => [`force_${name}`, "N"])) };
   for (const [name, unit] of Object.entries(vectors)) {
     const values = shell.array(name);
     if (values) ["x", "y", "z"].forEach((axis, k) => { columns[`${name} ${axis} (${unit})`] = column(values, k, 3); });
@@ -213,11 +215,29 @@ function plotted(content, shell, clock, times, place, foci) {
   if (facts.thermal) inUnits("Distance", "m", false, of("distance", { name: "to the focus", colour: "speed" }));
   else inUnits("Speed", "m/s", true, of("speed", { name: "bead", colour: "speed" }),
     facts.terminal_speed && of("terminal_speed", { name: "terminal", colour: "terminal", dash: [6, 4] }));
+  if (facts.body) turns(shell, x, options, points, plots);
   inUnits("Energy", "", false,
     of("energy_work", { name: "work of the light", colour: "force-light" }),
     of("energy_lost", { name: "given to the water", colour: "force-drag", dash: [7, 3] }),
     of("energy_kinetic", { name: "kinetic", colour: "force-sum", dash: [2, 2.5] }));
   return plots;
+}
+
+// The plots of how a body turns: where its axes point, and how fast it turns about them.
+function turns(shell, x, options, points, plots) {
+  const euler = shell.array("orientation"), speed = shell.array("angular_velocity");
+  for (const k of shell.content.facts.body.plotted_axes) {
+    const along = x.values.map(() => 0), each = [along, [...along], [...along]];
+    for (let i = 0; i < along.length; i++) axesOf(euler.subarray(4 * i, 4 * i + 4))[k].forEach((c, j) => { each[j][i] = c; });
+    const curves = ["x", "y", "z"].map((axis, j) => ({ name: axis, values: each[j], colour: axis, dash: DASHES[axis], points }));
+    plots.push(new Plot(shell, shell.plots, x, curves, { ...options, title: `Body axis ${"xyz"[k]}`, unit: "", range: [-1.06, 1.06], even: true }));
+  }
+  if (!speed) return;
+  let most = 0;
+  for (const value of speed) if (Math.abs(value) > most) most = Math.abs(value);
+  const { factor, unit } = scaled(most || 1, "rad/s");
+  const curves = ["x", "y", "z"].map((axis, k) => ({ name: axis, values: column(speed, k, 3, factor), colour: axis, dash: DASHES[axis], points }));
+  plots.push(new Plot(shell, shell.plots, x, curves, { ...options, title: "Angular velocity about the body's axes", unit }));
 }
 
 // Colours from low to high, without the end that the theme swallows.

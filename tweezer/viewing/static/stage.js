@@ -5,7 +5,7 @@ import {
   OrbitControls, PerspectiveCamera, PlaneGeometry, Points, PointsMaterial, Quaternion, RGBAFormat,
   Scene, ShaderMaterial, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
-import { scaled, text } from "tweezer/arrays";
+import { scaled, text, unpack } from "tweezer/arrays";
 import { nice } from "tweezer/clock";
 import { make } from "tweezer/shell";
 
@@ -348,9 +348,12 @@ export class Stage {
   }
 
   // A bead: spheres of radii `shells`, um, the outermost with a pattern that shows how it turns.
-  bead(shells) {
-    const group = new Group(), outer = shells.at(-1);
-    const uniforms = { light: { value: new Color() }, dark: { value: new Color() }, rim: { value: new Color() } };
+  // `body`, of one that is not a sphere: its surface, or none, where axes stick out of the sphere.
+  bead(shells, body) {
+    const group = new Group(), outer = shells.at(-1), surface = body?.surface && triangles(body.surface);
+    const uniforms = {
+      light: { value: new Color() }, dark: { value: new Color() }, rim: { value: new Color() }, size: { value: outer },
+    };
     this.onTheme(() => {
       uniforms.light.value = this.colour("bead-light");
       uniforms.dark.value = this.colour("bead-dark");
@@ -359,9 +362,19 @@ export class Stage {
     const material = new ShaderMaterial({
       uniforms, vertexShader: BEAD_VERTEX, fragmentShader: BEAD, transparent: true, depthWrite: false, side: FrontSide,
     });
-    const sphere = new Mesh(new SphereGeometry(outer, 40, 26), material);
-    sphere.renderOrder = 4;
-    group.add(sphere);
+    const shape = surface ? geometry({ position: [surface.vertices, 3], normal: [surface.normals, 3] })
+      : new SphereGeometry(outer, 40, 26);
+    if (surface) {
+      shape.setIndex(Array.from(surface.faces));
+      // what the body itself hides is not drawn
+      const depth = new Mesh(shape, new MeshBasicMaterial({ colorWrite: false, transparent: true }));
+      depth.renderOrder = 3;
+      group.add(depth);
+    }
+    const outside = new Mesh(shape, material);
+    outside.renderOrder = 4;
+    group.add(outside);
+    if (body && !surface) group.add(this.axes(1.35 * outer));
     for (const radius of shells.slice(0, -1)) {
       const inside = new Mesh(new SphereGeometry(radius, 40, 24),
         new ShaderMaterial({ uniforms, vertexShader: BEAD_VERTEX, fragmentShader: CORE, transparent: true, depthWrite: false }));
@@ -379,7 +392,26 @@ export class Stage {
       at: () => group.getWorldPosition(new Vector3()).toArray(),
       // The axes of the bead, as columns.
       turned: () => new Matrix4().makeRotationFromQuaternion(group.quaternion).toArray(),
+      // Where a vertex of the surface is, um.
+      vertex: (k) => {
+        group.updateMatrixWorld();
+        return outside.localToWorld(new Vector3().fromBufferAttribute(shape.getAttribute("position"), k)).toArray();
+      },
     };
+  }
+
+  // Bars from the origin along x, y and z, in their colours.
+  axes(length) {
+    const group = new Group(), thick = 0.03 * length;
+    ["x", "y", "z"].forEach((name, k) => {
+      const uniforms = { colour: { value: new Color() } };
+      this.onTheme(() => { uniforms.colour.value = this.colour(name); });
+      const bar = new Mesh(new CylinderGeometry(thick, thick, length, 12).translate(0, length / 2, 0),
+        new ShaderMaterial({ uniforms, vertexShader: SOLID_VERTEX, fragmentShader: SOLID }));
+      bar.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), new Vector3(...[0, 1, 2].map((i) => Number(i === k))));
+      group.add(bar);
+    });
+    return group;
   }
 
   // The light of a beam about its focus, to a distance `length` from it, um.
@@ -623,6 +655,12 @@ export class Stage {
   }
 }
 
+// The surface of a body: {vertices, normals, faces}, um.
+export function triangles(surface) {
+  const { vertices, normals, faces } = surface;
+  return { vertices: unpack(vertices).map((x) => 1e6 * x), normals: unpack(normals), faces: unpack(faces) };
+}
+
 // A geometry with attributes {name: [numbers, size]}.
 export function geometry(attributes) {
   const shape = new BufferGeometry();
@@ -657,9 +695,10 @@ void main() {
   #include <colorspace_fragment>
 }`;
 const BEAD_VERTEX = `
+uniform float size;
 varying vec3 place; varying vec3 facing; varying vec3 towards;
 void main() {
-  place = normalize(position);
+  place = position / size;
   vec4 seen = modelViewMatrix * vec4(position, 1.0);
   facing = normalMatrix * normal;
   towards = projectionMatrix[3][3] > 0.5 ? vec3(0.0, 0.0, 1.0) : -seen.xyz;
