@@ -23,6 +23,7 @@ from tweezer.results.saving import result_in
 from tweezer.results.schema import plain
 from tweezer.scene import by_key
 from tweezer.sweeps.quantities import FAILED, MISSING
+from tweezer.trap.body import BodyTrap
 from tweezer.trap.trap import Trap
 from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
@@ -177,7 +178,7 @@ class Comparison(Shown):
     """names of the two results"""
     kind: str
     """kind of both results, such as "run", "thermal run", "ensemble", "statistics", "sweep of
-    trap", "trap" """
+    trap", "trap", "body trap" """
     agrees: bool
     """whether all compared quantities agree"""
     same: bool
@@ -875,6 +876,13 @@ def _of_trap(name: str, trap: Trap, about: dict[str, Any]) -> Source:
     return _of_result(name, "trap", trap, _keys(scene) | how | about, words)
 
 
+def _of_body_trap(name: str, trap: BodyTrap, about: dict[str, Any]) -> Source:
+    """Prepare the trap of a body for comparison, as `_of_trap` does for a sphere."""
+    scene = trap.scene.model_dump(mode="json", exclude_none=True)
+    words = {"held": str(trap.equilibrium is not None)}
+    return _of_result(name, "body trap", trap, _keys(scene) | about, words)
+
+
 def _outwards(at: tuple[int, ...]) -> str:
     """Return the escape direction of the first index, as "on the way to +z"."""
     return f"on the way to {DIMENSIONS['direction'][at[0]]}"
@@ -938,5 +946,6 @@ _OF: dict[str, Callable[[str, Any, dict[str, Any]], Source]] = {
     "ensemble": _of_ensemble,
     "run": _of_run,
     "trap": _of_trap,
+    "body trap": _of_body_trap,
     "calibration": _of_calibration,
 }

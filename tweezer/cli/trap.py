@@ -108,7 +108,7 @@ def trap(
             _ = characterised.lifetime  # computed on first use
     print_card(characterised.card())
     if out:
-        from tweezer.trap.saved_trap import content_of
+        from tweezer.results.saving import content_of
 
         write_result(content_of(characterised), out)
     if plot:

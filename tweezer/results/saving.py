@@ -25,10 +25,10 @@ def save(result: Any, path: str | Path) -> Path:
 
     Parameters
     ----------
-    result : Dataset, Trap, Calibration, Surface, SceneFit, DepthFit, Tuning or tuple of Together
+    result : Dataset, Trap, BodyTrap, Calibration, Surface, SceneFit, DepthFit, Tuning or tuple
         A result of `simulate`, `ensemble`, `sweep`, `trap_over_heights`, `SceneLight.field`,
         `characterise`, `calibrate`, `find_wall`, `fit`, `fit_depth`, `tune` or
-        `calibration.together`.
+        `calibration.together`, which returns a tuple.
     path : str or Path
         Name of the file. It must end in `.nc` for a dataset and in `.json` for any other result.
 
@@ -62,14 +62,21 @@ def save(result: Any, path: str | Path) -> Path:
     if not kind.of:
         return save_run(result, path)
     check_ending(path, ("json",))
-    if kind.reader:
-        content = importlib.import_module(kind.reader).content_of(result)
-    else:
-        content = _plain(result)
+    content = content_of(result)
     if kind.within:
         content = dict.fromkeys(kind.marks, ()) | {kind.within: content}
     write_result(content, path, not_finite="strings")
     return path
+
+
+def content_of(result: Any) -> dict[str, Any]:
+    """Return the content of the JSON file of a result that is not a dataset."""
+    kind = kind_of(result)
+    if kind is not None and kind.reader:
+        content: dict[str, Any] = importlib.import_module(kind.reader).content_of(result)
+        return content
+    plain: dict[str, Any] = _plain(result)
+    return plain
 
 
 def load(path: str | Path) -> Any:
@@ -82,7 +89,7 @@ def load(path: str | Path) -> Any:
 
     Returns
     -------
-    Dataset, Trap, Calibration, Surface, SceneFit, DepthFit, Tuning or tuple of Together
+    Dataset, Trap, BodyTrap, Calibration, Surface, SceneFit, DepthFit, Tuning or tuple of Together
         The result, with the type that it had when it was computed. A dataset in a store is read on
         demand.
 

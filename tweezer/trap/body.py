@@ -8,7 +8,7 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,11 +22,13 @@ from tweezer.optics.bodies.shapes import t_matrix
 from tweezer.optics.bodies.t_matrix import TMatrix
 from tweezer.optics.light import SPEED_OF_LIGHT
 from tweezer.scene import Scene
+from tweezer.trap import quantities as known
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
+from tweezer.values.measured import Measured, Quantity, Result
 from tweezer.values.printed import printed
 from tweezer.values.rounding import micrometres
-from tweezer.values.shown import Card, Row, Shown, Table
+from tweezer.values.shown import Card, Row, Table
 from tweezer.values.vectors import Comparable, Vector, fixed
 
 #: Force and torque, or displacement and rotation, in a vector of six
@@ -106,8 +108,10 @@ class BodyEquilibrium(Comparable):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class BodyTrap(Comparable, Shown):
+class BodyTrap(Comparable, Result):
     """A characterised trap of a body that is not a sphere, in SI units."""
+
+    QUANTITIES: ClassVar[tuple[Quantity, ...]] = known.OF_BODY
 
     scene: Scene = field(compare=False)
     """the scene that was characterised"""
@@ -124,16 +128,35 @@ class BodyTrap(Comparable, Shown):
     """power that the body absorbs at the equilibrium, W; None if it absorbs none"""
     force_error: float
     """largest error of the force at the equilibria, N"""
-    t_matrix: TMatrix = field(compare=False)
-    """the T-matrix of the body"""
     searched: str
     """starts of the search"""
 
+    @functools.cached_property
+    def t_matrix(self) -> TMatrix:
+        """The T-matrix of the body."""
+        return t_matrix(self.scene)
+
+    def quantities(self) -> Iterator[Measured]:
+        """Yield the quantities of the trap at its stable equilibrium."""
+        held, error = self.equilibrium, self.force_error
+        if held is not None:
+            of_stiffness = error * known.gradient_of_errors(self.scene)
+            stiffness, values = np.diag(held.stiffness), np.asarray(held.eigenvalues)[:, 0]
+            softest = min(values[np.abs(values) > _FREE * np.abs(values).max()])
+            yield known.EQUILIBRIUM(held.position, error / softest)
+            yield known.STIFFNESS(stiffness[_PLACE], np.full(3, of_stiffness))
+            # a torque is a polynomial of the rotation, of at most twice the T-matrix's degree
+            of_turns = 2 * self.t_matrix.degree * error * held.length
+            yield known.ROTATIONAL_STIFFNESS(stiffness[_ANGLE], np.full(3, of_turns))
+            ways = self.escapes
+            yield known.ESCAPE_FORCE([each.force for each in ways], np.full(len(ways), error))
+        yield known.FORCE_ERROR(error)
+
     def content(self) -> dict[str, Any]:
-        """Return the fields except scene and T-matrix as plain values, for a file."""
+        """Return the fields except the scene as plain values, for a file."""
         found = {
             each.name: getattr(self, each.name) for each in dataclasses.fields(self)
-            if each.name not in ("scene", "t_matrix")
+            if each.name != "scene"
         }  # fmt: skip
         plain = [dataclasses.asdict(each) for each in self.equilibria]
         held = self.equilibrium and dataclasses.asdict(self.equilibrium)
@@ -281,7 +304,7 @@ def body_trap(scene: Scene) -> BodyTrap:
     return BodyTrap(
         scene=scene, equilibria=tuple(found), equilibrium=held, escapes=pulled,
         torque_efficiency=efficiency, absorbed_power=absorbed, force_error=error,
-        t_matrix=t_matrix(scene), searched=f"from {len(starts)} starts",
+        searched=f"from {len(starts)} starts",
     )  # fmt: skip
 
 

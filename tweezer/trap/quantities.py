@@ -46,6 +46,12 @@ QUANTITIES = (
     EQUILIBRIUM, STIFFNESS, CORNER, RESONANCE, QUALITY, RING, ESCAPE_FORCE, ESCAPE_ENERGY,
     LIFETIME, FORCE_ERROR, POWER,
 )  # fmt: skip
+ROTATIONAL_STIFFNESS = Quantity(
+    "rotational_stiffness", "N m", "stiffness against rotation at the equilibrium", "axis",
+    compared=True,
+)  # fmt: skip
+#: Quantities of the trap of a body that is not a sphere
+OF_BODY = (EQUILIBRIUM, STIFFNESS, ROTATIONAL_STIFFNESS, ESCAPE_FORCE, FORCE_ERROR)
 
 
 def gradient_of_errors(scene: Scene) -> float:

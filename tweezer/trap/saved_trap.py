@@ -13,7 +13,6 @@ from pydantic import TypeAdapter, ValidationError
 from tweezer.dynamics.escape import Escape
 from tweezer.forces.equilibria import DIRECTIONS
 from tweezer.results.schema import of_validation
-from tweezer.trap.body import BodyTrap
 from tweezer.trap.holding import Lifetime
 from tweezer.trap.trap import Trap
 from tweezer.values.errors import ResultError
@@ -30,11 +29,9 @@ _NEWER: dict[str, Any] = {
 _FARTHEST = 1.0
 
 
-def content_of(trap: Trap | BodyTrap) -> dict[str, Any]:
-    """Return the content of the file of a trap, with its lifetime for a sphere."""
+def content_of(trap: Trap) -> dict[str, Any]:
+    """Return the content of the file of a trap, with its lifetime."""
     scene = trap.scene.model_dump(mode="json", exclude_none=True)
-    if isinstance(trap, BodyTrap):
-        return {"tweezer_version": __version__, "scene": scene, "body_trap": trap.content()}
     content = dataclasses.asdict(trap)
     del content["scene"]
     held, without = trap.lifetime, trap.lifetime_without_light

@@ -78,6 +78,8 @@ KINDS = (
     Kind("run", "a run", ("scene", "status", "time"), "run", True),
     Kind("trap", "a trap", ("scene", "trap"), "trap", True,
          of="tweezer.trap.trap:Trap", reader="tweezer.trap.saved_trap"),
+    Kind("body trap", "the trap of a body", ("scene", "body_trap"), compared=True,
+         of="tweezer.trap.body:BodyTrap", reader="tweezer.trap.saved_body_trap"),
     Kind("calibration", "a calibration", ("axes", "exposure"), compared=True,
          of="tweezer.calibration.results:Calibration"),
     Kind("together", "calibrations of several recordings", ("recordings", "together"),
