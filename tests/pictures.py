@@ -26,7 +26,7 @@ tweezer.seek(first + arguments[0] * (last - first));"""
 #: shipped scenes on a figure of the whole page, and the part of the run that is over in it
 SHOWN = {"silica-1um": 0.03}
 #: the same for the thumbnails, of all shipped scenes; 0.1 if not listed
-THUMBNAILS = {"moving-trap": 0.6, "two-traps": 0.3}
+THUMBNAILS = {"moving-trap": 0.6, "two-traps": 0.3, "flipping-rod": 0.47}
 #: hides what lies over the drawing and returns its box in the window
 DRAWING = """
 for (const over of document.querySelectorAll(".over, .forces")) over.style.display = "none";

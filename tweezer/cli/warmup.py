@@ -24,8 +24,12 @@ def usual_scenes(scene: Scene) -> list[Scene]:
     """Return a shipped scene with its usual variants: thermal motion with forces from a map.
 
     A scene with the thesis's grid also has the variant with the torque (3.25), which `tweezer
-    reproduce` runs and in which the bead rotates. Its thermal motion from the map is unscaled.
+    reproduce` runs and in which the bead rotates. Its thermal motion from the map is unscaled. A
+    scene with a body that is not a sphere has the variant without thermal motion.
     """
+    if scene.bead.shape != "sphere":
+        quiet = {"forces": {"brownian": False}, "simulation": {"model": "full"}}
+        return [scene, scene.replace(**quiet)]
     thermal = {"forces": {"brownian": True}, "optics": {"evaluator": "map"}}
     if scene.optics.evaluator != "grid":
         return [scene, scene.replace(**thermal)]

@@ -88,12 +88,15 @@ _SAME = 1e-12
 
 def of_the_picture(scene: Scene) -> list[str]:
     """Return the notes on how to read the picture of a scene, and its limitations."""
-    turns = (
-        "The pattern on the bead shows its rotation."
-        if scene.rotates or scene.bead.shape != "sphere"
-        else "The pattern on the bead does not turn, because no torque acts on it or its rotation "
-        "was not computed."
-    )
+    if scene.bead.shape != "sphere":
+        turns = "The pattern on the body shows its rotation; its half at negative z is violet."
+    elif scene.rotates:
+        turns = "The pattern on the bead shows its rotation."
+    else:
+        turns = (
+            "The pattern on the bead does not turn, because no torque acts on it or its rotation "
+            "was not computed."
+        )
     notes = [
         f"Bead and light are to scale. {turns} The light is bounded by the outermost rays and "
         "drawn with a waist of half the wavelength over the sine of their angle. Its shade does "

@@ -39,6 +39,7 @@ export function start(content, shell) {
   const sheets = walls.map(({ z, normal, name }) => stage.wall(1e6 * z, normal, name));
   const beams = facts.beams.map((beam) => stage.beam(beam, 1.5 * reach));
   const path = stage.path(place, facts.resolved);
+  path.group.visible = !(facts.body && facts.thermal); // a body is hard to see on a path that is tangled
   const bead = stage.bead(facts.shells.map((r) => 1e6 * r), facts.body);
   const clock = new Clock(shell, times);
 

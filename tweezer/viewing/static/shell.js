@@ -125,15 +125,16 @@ export class Shell {
     this.download(new Blob([`${rows.join("\n")}\n`], { type: "text/csv" }), "csv");
   }
 
-  // Boxes that hide and show parts of the picture, {name: [things with a group]}.
+  // Boxes that hide and show parts of the picture, {name: [things with a group]}; those hidden at first
+  // are not checked.
   layers(parts, redraw) {
     const boxes = Object.entries(parts).map(([name, given]) => [name, given.filter((thing) => thing?.group)])
       .filter(([, things]) => things.length).map(([name, things]) => {
-        const box = make("input", { type: "checkbox", checked: true, onchange: () => {
+        const box = make("input", { type: "checkbox", checked: things[0].group.visible, onchange: () => {
           for (const { group } of things) group.visible = box.checked;
           redraw();
         } });
-        this.onReset(() => { if (!box.checked) box.click(); });
+        this.onReset(() => { if (box.checked !== box.defaultChecked) box.click(); });
         return make("label", {}, box, name);
       });
     return make("fieldset", { class: "layers" }, make("legend", {}, "Show"), ...boxes);

@@ -353,11 +353,13 @@ export class Stage {
     const group = new Group(), outer = shells.at(-1), surface = body?.surface && triangles(body.surface);
     const uniforms = {
       light: { value: new Color() }, dark: { value: new Color() }, rim: { value: new Color() }, size: { value: outer },
+      far: { value: new Color() }, ends: { value: body ? 0.7 : 0 },
     };
     this.onTheme(() => {
       uniforms.light.value = this.colour("bead-light");
       uniforms.dark.value = this.colour("bead-dark");
       uniforms.rim.value = this.colour("bead-rim");
+      uniforms.far.value = this.colour("bead-end");
     });
     const material = new ShaderMaterial({
       uniforms, vertexShader: BEAD_VERTEX, fragmentShader: BEAD, transparent: true, depthWrite: false, side: FrontSide,
@@ -704,10 +706,11 @@ void main() {
   towards = projectionMatrix[3][3] > 0.5 ? vec3(0.0, 0.0, 1.0) : -seen.xyz;
   gl_Position = projectionMatrix * seen;
 }`;
-// eight fields in two tones, and the three great circles between them
+// eight fields in two tones, and the three great circles between them; `ends`: how much of its colour the
+// half of a body at negative z has, so that a body that has turned round does not look the same
 const BEAD = `
 const vec3 LAMP = vec3(-0.398, 0.697, 0.597), HALFWAY = vec3(-0.223, 0.390, 0.893);
-uniform vec3 light, dark, rim;
+uniform vec3 light, dark, rim, far; uniform float ends;
 varying vec3 place; varying vec3 facing; varying vec3 towards;
 void main() {
   vec3 n = normalize(facing), v = normalize(towards);
@@ -717,10 +720,11 @@ void main() {
   float circle = max(edges.x, max(edges.y, edges.z));
   float edge = 1.0 - abs(dot(n, v));
   float glow = 0.72 + 0.28 * max(dot(n, LAMP), 0.0);
-  float far = edge * edge;
-  vec3 colour = mix(mix(dark, light, field) * glow, rim, max(0.55 * circle, far * far));
+  float outer = edge * edge;
+  vec3 tone = mix(mix(dark, light, field), far, ends * step(place.z, 0.0));
+  vec3 colour = mix(tone * glow, rim, max(0.55 * circle, outer * outer));
   float shine = smoothstep(0.97, 1.0, dot(n, HALFWAY));
-  gl_FragColor = vec4(colour + 0.35 * shine, min(0.5 + 0.25 * circle + 0.45 * far, 0.95));
+  gl_FragColor = vec4(colour + 0.35 * shine, min(0.5 + 0.25 * circle + 0.45 * outer, 0.95));
   #include <colorspace_fragment>
 }`;
 const CORE = `
