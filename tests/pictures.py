@@ -24,9 +24,15 @@ SEEK = """
 const [first, last] = tweezer.duration;
 tweezer.seek(first + arguments[0] * (last - first));"""
 #: shipped scenes on a figure of the whole page, and the part of the run that is over in it
-SHOWN = {"silica-1um": 0.03}
+SHOWN = {"silica-1um": 0.03, "flipping-rod": 0.2855}
 #: the same for the thumbnails, of all shipped scenes; 0.1 if not listed
-THUMBNAILS = {"moving-trap": 0.6, "two-traps": 0.3, "flipping-rod": 0.47}
+THUMBNAILS = {"moving-trap": 0.6, "two-traps": 0.3, "flipping-rod": 0.2855}
+#: how many times the key I enlarges the view of a thumbnail; 0 if not listed
+NEARER = {"flipping-rod": 4}
+NEAR = """
+for (let i = 0; i < arguments[0]; i++)
+  document.body.dispatchEvent(new KeyboardEvent("keydown", {key: "i", bubbles: true}));
+tweezer.draw();"""
 #: hides what lies over the drawing and returns its box in the window
 DRAWING = """
 for (const over of document.querySelectorAll(".over, .forces")) over.style.display = "none";
@@ -52,6 +58,7 @@ def main(names: list[str]) -> None:
                 driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": media})
                 driver.get(page.as_uri())
                 driver.execute_script(SEEK, THUMBNAILS.get(name, 0.1))
+                driver.execute_script(NEAR, NEARER.get(name, 0))
                 box = driver.execute_script(DRAWING)
                 picture = {"format": "webp", "quality": 80, "clip": box}
                 _take(driver, FIGURES / "gallery" / f"{name}-{scheme}.webp", picture)

@@ -420,10 +420,9 @@ DRAG = "bead.shape = 'spheroid': has no single drag coefficient; allowed: 'spher
     ("arguments", "expected"),
     [
         (["tune"], "bead.shape = 'spheroid': models and methods are compared for spheres"),
-        (["view"], "bead.shape = 'spheroid': has no interactive page; use `tweezer run --plot`"),
         (["trap", "--heights", "1 um", "2 um"], DRAG),
         (["map"], "bead.shape = 'spheroid': a body that turns has no force map"),
-        (["view", "--trap"], "has no interactive page; use `tweezer trap --plot`"),
+        (["view", "--trap"], "its trap has no interactive page; use `tweezer trap --plot`"),
     ],
     ids=lambda each: "-".join(each[:2]) if isinstance(each, list) else None,
 )

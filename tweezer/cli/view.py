@@ -126,10 +126,10 @@ def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
 
         return page_of(name), 0
     scene = scene_with(name, settings_of(changes))
-    if scene.bead.shape != "sphere":
+    if trap and scene.bead.shape != "sphere":
         raise SceneError(
-            f"bead.shape = {scene.bead.shape!r}: has no interactive page; use "
-            f"`tweezer {'trap' if trap else 'run'} --plot`"
+            f"bead.shape = {scene.bead.shape!r}: its trap has no interactive page; use "
+            "`tweezer trap --plot`"
         )
     bind_light(scene)
     if trap:
