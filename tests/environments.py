@@ -25,6 +25,7 @@ USERS = ("generated", "derivation")
 
 THERMAL = "--set forces.brownian=true --set optics.evaluator=map --set simulation.samples=2001"
 DEPTH = "--set optics.evaluator=map --set simulation.model=full --set simulation.method=auto"
+ROD = "--set bead.shape=spheroid --set 'bead.diameter=0.5 um' --set 'bead.length=1 um'"
 #: After this command no other compiles anything for as long as a second.
 WARMUP = "tweezer warmup"
 #: What to do, in this order, in one folder
@@ -35,6 +36,8 @@ COMMANDS = (
     "tweezer new",
     "tweezer info",
     "tweezer map silica-1um",
+    f"tweezer run silica-1um {ROD} --duration '1 ms' --out rod.nc",
+    "tweezer rotation rod.nc --plot rotation.png",
     WARMUP,
     f"tweezer run silica-1um {THERMAL} --duration '100 ms' --seed 1 --out thermal.nc",
     "tweezer calibrate thermal.nc --plot calibration.png",

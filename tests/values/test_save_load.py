@@ -61,6 +61,9 @@ def tuning():
     return tweezer.Tuning(tuned, 1e-3, "dormand-prince", 1e-5, unscaled)
 
 
+#: A rod that rotates
+ROD = THERMAL.replace(bead={"shape": "spheroid", "diameter": "0.4 um", "length": "0.8 um"})
+
 #: A result of each kind
 MADE = {
     "light": lambda: tweezer.light(SCENE).field([[0, 0, 0], [1e-7, 0, 0]]),
@@ -68,6 +71,7 @@ MADE = {
     "statistics": lambda: tweezer.ensemble(THERMAL, 70, statistics=True),
     "ensemble": lambda: tweezer.ensemble(THERMAL, 3),
     "heights": lambda: tweezer.trap_over_heights(SCENE, [1e-6, 2e-6]),
+    "rotation": lambda: tweezer.rotation(tweezer.simulate(ROD, seed=1)),
     "run": lambda: tweezer.simulate(THERMAL, seed=1),
     "trap": lambda: tweezer.characterise(SCENE),
     "calibration": calibration,

@@ -37,6 +37,7 @@ for _group in (
     "trap",
     "ensemble",
     "sweep",
+    "rotation",
     "compare",
     "examples",
     "calibrate",

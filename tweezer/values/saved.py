@@ -75,6 +75,7 @@ KINDS = (
     Kind("statistics", "statistics of an ensemble", ("scene", "stationary_mean"), "ensemble", True),
     Kind("ensemble", "an ensemble", ("scene", "trajectory", "position"), "ensemble", True),
     Kind("heights", "a trap over heights", ("scene", "height", "equilibrium")),
+    Kind("rotation", "the rotation of a body", ("scene", "order_tensor", "lag")),
     Kind("run", "a run", ("scene", "status", "time"), "run", True),
     Kind("trap", "a trap", ("scene", "trap"), "trap", True,
          of="tweezer.trap.trap:Trap", reader="tweezer.trap.saved_trap"),
