@@ -13,8 +13,8 @@ from numpy.polynomial.legendre import leggauss
 from scipy.spatial.transform import Rotation
 
 import tweezer
+from tweezer.dynamics.poses import PoseSearch
 from tweezer.scene import solids
-from tweezer.trap import body as body_trap
 
 #: A good scene of a rod, key by key as TOML
 GOOD = {
@@ -384,7 +384,7 @@ def never_computed(monkeypatch):
     def accepted(*arguments):
         pytest.fail("accepted")
 
-    monkeypatch.setattr(body_trap._Search, "relaxed", accepted)
+    monkeypatch.setattr(PoseSearch, "relaxed", accepted)
 
 
 def assert_refused(command_line, arguments, expected):

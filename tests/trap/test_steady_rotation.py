@@ -1,0 +1,95 @@
+"""Bodies that rotate steadily in light of circular polarisation, against their motion."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
+
+import tweezer
+
+#: A disc stands on its edge and turns about the axis of the light
+DISC = tweezer.load_scene("polystyrene-500nm").replace(
+    bead={"shape": "spheroid", "diameter": "0.8 um", "length": "0.4 um"},
+    beam={"polarisation": "circular"},
+)
+
+
+@pytest.fixture(scope="module")
+def held():
+    return tweezer.characterise(DISC).equilibrium
+
+
+def test_disc_turns_as_its_run_does(held):
+    """The run starts at the equilibrium, and its overdamped motion turns at the rate found."""
+    start = {"position": list(held.position), "orientation": list(held.orientation)}
+    scene = DISC.replace(
+        start=start, simulation={"model": "overdamped", "duration": "10 ms", "samples": 21}
+    )
+    run = tweezer.simulate(scene)
+    turns = Rotation.from_quat(run.orientation, scalar_first=True)
+    rates = (turns[1:] * turns[:-1].inv()).as_rotvec() / np.diff(run.time)[:, None]
+    assert held.stable
+    assert held.rotation[2] > 100
+    np.testing.assert_allclose(rates, np.tile(held.rotation, (20, 1)), atol=1e-4)
+    np.testing.assert_allclose(run.position, np.tile(held.position, (21, 1)), atol=1e-13)
+
+
+def test_rate_is_torque_over_drag(held):
+    torque = tweezer.optical_torque(DISC, held.position, held.orientation)
+    across = tweezer.resistance(DISC).matrix[3, 3]  # about a diameter of the disc
+    assert held.rotation == pytest.approx([0, 0, torque[2] / across], abs=1e-6)
+
+
+def test_disc_turns_the_other_way_in_light_of_the_other_handedness(held):
+    other = {"polarisation": "linear", "jones": [1.0, "-1j"]}
+    trap = tweezer.characterise(DISC.replace(beam=other))
+    assert trap.equilibrium.rotation[2] == pytest.approx(-held.rotation[2], rel=1e-6)
+
+
+def test_displacements_decay_in_the_turning_frame(held):
+    """Six displaced motions give a propagator, whose logarithm has the relaxation rates."""
+    mobility = tweezer.resistance(DISC).mobility
+    start = Rotation.from_quat(held.orientation, scalar_first=True)
+    time, size = 5e-5, np.repeat([1e-11, 1e-4], 3)
+
+    def velocity(_, moved):
+        turned = Rotation.from_rotvec(moved[3:]) * start
+        quaternion = turned.as_quat(scalar_first=True)
+        wrench = np.concatenate([
+            tweezer.optical_force(DISC, moved[:3], quaternion),
+            tweezer.optical_torque(DISC, moved[:3], quaternion),
+        ])  # fmt: skip
+        frame = np.kron(np.eye(2), turned.as_matrix())
+        twist = frame @ mobility @ frame.T @ (wrench + lift)
+        angle = moved[3:]
+        length = np.linalg.norm(angle)
+        factor = 1 / 12 if length < 1e-3 else 1 / length**2 - 1 / (2 * length * np.tan(length / 2))
+        once = np.cross(angle, twist[3:])
+        return np.concatenate([twist[:3], twist[3:] - once / 2 + factor * np.cross(angle, once)])
+
+    lift = np.concatenate([tweezer.bind(DISC).problem.bead.weight, np.zeros(3)])
+
+    def end_of(displaced):
+        begin = np.concatenate([np.array(held.position) + displaced[:3], displaced[3:]])
+        return solve_ivp(velocity, (0, time), begin, method="DOP853", rtol=1e-10, atol=1e-18).y[
+            :, -1
+        ]
+
+    reference = end_of(np.zeros(6))
+    turned = Rotation.from_rotvec(reference[3:])
+    columns = []
+    for k in range(6):
+        both = []
+        for sign in (1, -1):
+            end = end_of(sign * size[k] * np.eye(6)[k])
+            apart = Rotation.from_rotvec(end[3:]) * turned.inv()
+            both.append(np.concatenate([
+                turned.apply(end[:3] - reference[:3], inverse=True),
+                turned.apply(apart.as_rotvec(), inverse=True),
+            ]))  # fmt: skip
+        columns.append((both[0] - both[1]) / (2 * size[k]))
+    values = np.linalg.eigvals(np.array(columns).T)
+    found = np.sort_complex(-np.log(values.astype(complex)) / time)
+    rates = np.array(held.relaxation_rates) @ [1, 1j]
+    largest = np.abs(rates).max()
+    np.testing.assert_allclose(found, np.sort_complex(rates), atol=2e-5 * largest)
