@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from tweezer.dynamics.escape import Escape, escapes
 from tweezer.dynamics.poses import ANGLE, FREE, PLACE, BodyEquilibrium, PoseSearch
+from tweezer.fluid.resistance.of_scene import resistance
 from tweezer.optics import Beams, LightForce
 from tweezer.optics.bodies.shapes import t_matrix
 from tweezer.optics.bodies.t_matrix import TMatrix
@@ -64,12 +65,19 @@ class BodyTrap(Comparable, Result):
         if held is not None:
             of_stiffness = error * known.gradient_of_errors(self.scene)
             stiffness, values = np.diag(held.stiffness), np.asarray(held.eigenvalues)[:, 0]
-            softest = min(values[np.abs(values) > FREE * np.abs(values).max()])
+            free = np.abs(values if held.relaxation_rates is None else held.relaxation_rates)
+            changing = free.reshape(6, -1).max(axis=1) > FREE * free.max()
+            softest = np.sort(np.abs(values))[-changing.sum()]
             yield known.EQUILIBRIUM(held.position, error / softest)
             yield known.STIFFNESS(stiffness[PLACE], np.full(3, of_stiffness))
             # a torque is a polynomial of the rotation, of at most twice the T-matrix's degree
             of_turns = 2 * self.t_matrix.degree * error * held.length
             yield known.ROTATIONAL_STIFFNESS(stiffness[ANGLE], np.full(3, of_turns))
+            if held.rotation is not None:
+                drag = resistance(self.scene)
+                torque = error * held.length * np.linalg.norm(drag.mobility[ANGLE, ANGLE], ord=2)
+                own = drag.error * np.linalg.norm(held.rotation)
+                yield known.ROTATION(held.rotation, np.full(3, torque + own))
             ways = self.escapes
             yield known.ESCAPE_FORCE([each.force for each in ways], np.full(len(ways), error))
         yield known.FORCE_ERROR(error)
@@ -105,9 +113,7 @@ class BodyTrap(Comparable, Result):
             yield Row("stiffness (x, y, z)", printed(tuple(k[PLACE]), "pN/um"))
             yield Row("against rotation (x, y, z)", printed(tuple(turning), "pN um"))
             if held.rotation is not None and any(held.rotation):
-                rate = float(np.linalg.norm(held.rotation))
-                about = _direction(np.asarray(held.rotation) / rate)
-                yield Row("steady rotation", f"{printed(rate, 'rad/s')} {about}")
+                yield Row("steady rotation (x, y, z)", printed(tuple(held.rotation), "rad/s"))
             yield Row("coupling of both", f"{held.coupling:.3g} of the largest stiffness")
             largest = np.abs(held.eigenvalues).max()
             values = [

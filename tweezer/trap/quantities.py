@@ -50,8 +50,12 @@ ROTATIONAL_STIFFNESS = Quantity(
     "rotational_stiffness", "N m", "stiffness against rotation at the equilibrium", "axis",
     compared=True,
 )  # fmt: skip
+ROTATION = Quantity(
+    "rotation", "rad/s", "angular velocity of the steady rotation at the equilibrium", "axis",
+    compared=True,
+)  # fmt: skip
 #: Quantities of the trap of a body that is not a sphere
-OF_BODY = (EQUILIBRIUM, STIFFNESS, ROTATIONAL_STIFFNESS, ESCAPE_FORCE, FORCE_ERROR)
+OF_BODY = (EQUILIBRIUM, STIFFNESS, ROTATIONAL_STIFFNESS, ROTATION, ESCAPE_FORCE, FORCE_ERROR)
 
 
 def gradient_of_errors(scene: Scene) -> float:

@@ -65,7 +65,7 @@ def _wrong(trap: BodyTrap) -> Iterator[str]:
     for each in trap.equilibria:
         for name, shape in (
             ("position", (3,)), ("orientation", (4,)), ("stiffness", (6, 6)),
-            ("eigenvalues", (6, 2)), ("relaxation_rates", (6, 2)),
+            ("eigenvalues", (6, 2)), ("relaxation_rates", (6, 2)), ("rotation", (3,)),
         ):  # fmt: skip
             found = getattr(each, name)
             if found is not None and found.shape != shape:
