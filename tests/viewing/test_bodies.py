@@ -5,6 +5,7 @@ import base64
 import numpy as np
 import pytest
 import trimesh
+import xarray as xr
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
@@ -253,6 +254,67 @@ def test_the_axis_of_the_body_and_its_angular_velocity_are_plotted(browser, addr
     speed = shown["Angular velocity about the body's axes (rad/s)"][:2]
     found = [float(number.replace("\N{MINUS SIGN}", "-")) for number in speed]
     assert found == pytest.approx(rod["angular_velocity"].values[60, :2], rel=6e-3)
+
+
+@pytest.fixture(scope="module")
+def rods():
+    """Six rods at random orientations; the first is lost at the eighth time, and one is missing."""
+    rng = np.random.default_rng(7)
+    turned = Rotation.random(6 * 10, rng=rng).as_quat(scalar_first=True).reshape(6, 10, 4)
+    position = 1e-7 * rng.normal(size=(6, 10, 3))
+    lost = np.array([7e-3, *3 * [np.inf], np.nan, np.inf])
+    position[0, 7:] = turned[0, 7:] = position[4] = turned[4] = np.nan
+    scene = tweezer.load_scene("flipping-rod")
+    about = {
+        "title": "rods", "scene": scene.model_dump_json(exclude_none=True), "trajectories": 6,
+        "seed": 7, "model": "overdamped", "method": "heun", "step": 1e-5, "tweezer_version": "0",
+    }  # fmt: skip
+    return xr.Dataset(
+        {
+            "position": (("trajectory", "time", "axis"), position),
+            "orientation": (("trajectory", "time", "euler_parameter"), turned),
+            "lost_time": ("trajectory", lost),
+        },
+        {"time": 1e-3 * np.arange(10), "axis": ["x", "y", "z"]},
+        about,
+    )
+
+
+def test_alignment_of_an_ensemble_is_that_of_the_rods_left(rods):
+    arrays = tweezer.view(rods).content.arrays
+    for i in range(10):
+        each = rods["orientation"].values[:, i]
+        each = each[np.isfinite(each).all(axis=1)]
+        squares = Rotation.from_quat(each, scalar_first=True).as_matrix()[:, :, 2] ** 2
+        assert arrays["alignment"].values()[i] == pytest.approx(squares.mean(axis=0), abs=1e-6)
+        error = squares.std(axis=0, ddof=1) / np.sqrt(len(each))
+        assert arrays["alignment_error"].values()[i] == pytest.approx(error, abs=1e-6)
+
+
+def test_the_first_rod_of_an_ensemble_is_drawn_until_it_is_lost(browser, rods, tmp_path):
+    page = tweezer.view(rods)
+    open_page(browser, page.save(tmp_path / "rods.html").as_uri(), 1280, 800)
+    packed = page.content.facts["body"]["surface"]["vertices"]
+    vertices = np.frombuffer(base64.b64decode(packed["data"]), "<f4").reshape(-1, 3)[MARKED]
+    for i in (0, 6):
+        found = browser.execute_script(VERTICES, 1e-3 * i + 1e-5, MARKED)
+        turned = Rotation.from_quat(rods["orientation"].values[0, i], scalar_first=True)
+        place = (turned.apply(vertices) + rods["position"].values[0, i]) / UM
+        # positions are rounded to 1/131068 of their range
+        assert np.array(found) == pytest.approx(place, abs=1e-5)
+        assert browser.execute_script("return tweezer.bead().visible")
+    browser.execute_script("tweezer.seek(0.0082)")
+    assert not browser.execute_script("return tweezer.bead().visible")
+    assert browser.get_log("browser") == []
+
+
+def test_page_of_statistics_of_rods_says_that_none_is_drawn(browser, tmp_path):
+    run = tweezer.ensemble("flipping-rod", 4, duration="2 ms", statistics=True)
+    page = tweezer.view(run)
+    assert any("The body is not drawn" in note for note in page.content.notes)
+    open_page(browser, page.save(tmp_path / "rods.html").as_uri(), 1280, 800)
+    assert not browser.execute_script("return tweezer.bead().visible")
+    assert browser.get_log("browser") == []
 
 
 def test_the_path_of_a_body_in_thermal_motion_is_hidden_at_first(browser, tmp_path):

@@ -18,7 +18,8 @@ from tweezer.values.errors import ResultError
 from tweezer.viewing.arrays import Packed, float32, uint16
 from tweezer.viewing.content import Content, Row
 from tweezer.viewing.rows import computed_by, of_number
-from tweezer.viewing.setting import of_the_picture, scene_facts
+from tweezer.viewing.setting import of_the_picture, plotted_axes, scene_facts
+from tweezer.viewing.turning import orientations
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -71,13 +72,17 @@ def _of_trajectories(dataset: xr.Dataset, scene: Scene) -> Content:
         raise ResultError("contains no computed trajectory")
     lost_time = lost_time[computed]
     kept, beads, taken = _thinned(len(times), len(lost_time))
-    place = bound_once(scene).equilibrium if scene.lit else None
+    sphere = scene.bead.shape == "sphere"
+    place = bound_once(scene).equilibrium if scene.lit and sphere else None
     centre = None if place is None else np.array(place.position)
     course, positions = _read(dataset, computed, kept, taken, centre, scene.body.size)
     lost = lost_time[taken]
     arrays = {name: uint16(positions[:, :, k].T, "m") for k, name in enumerate("xyz")}
     arrays |= _packed(times[kept], course)
     arrays["lost_time"] = float32(lost, "s")
+    if "orientation" in dataset and not sphere:
+        axis, *_ = plotted_axes(scene)
+        arrays |= orientations(dataset, np.flatnonzero(computed), kept, axis)
     total = len(lost_time)
     return Content(
         kind="ensemble",
@@ -93,7 +98,7 @@ def _of_trajectories(dataset: xr.Dataset, scene: Scene) -> Content:
         summary=_summary(dataset, scene, course, total, int(np.isfinite(lost_time).sum())),
         notes=[
             *of_changes(scene), *_of_thinning(len(times), total, kept, beads),
-            *_of_the_cloud(centre is not None),
+            *_of_the_cloud(centre is not None), *_of_the_bodies(scene),
             *of_the_picture(scene), f"{computed_by(dataset.attrs)} Seed {dataset.attrs['seed']}.",
         ],
         warning="" if computed.all() else (
@@ -198,7 +203,8 @@ def _of_statistics(dataset: xr.Dataset, scene: Scene) -> Content:
             "This ensemble contains statistics but no trajectories. The shells show one and two "
             "standard deviations of the beads about their mean along each axis.",
             *_of_times(dataset.sizes["time"], kept),
-            *of_the_picture(scene), f"{computed_by(dataset.attrs)} Seed {dataset.attrs['seed']}.",
+            *of_the_picture(scene, oriented=False),
+            f"{computed_by(dataset.attrs)} Seed {dataset.attrs['seed']}.",
         ],
     )  # fmt: skip
 
@@ -303,6 +309,17 @@ def _of_thinning(times: int, total: int, kept: Numbers, beads: int) -> list[str]
             "percentages include all beads."
         )
     return notes
+
+
+def _of_the_bodies(scene: Scene) -> list[str]:
+    """Return a list with a note on the rotation of the bodies; empty for spheres."""
+    if scene.bead.shape == "sphere":
+        return []
+    return [
+        "The first body is drawn at its position and orientation, until it is lost. The alignment "
+        "is the mean square of the direction cosines of the body axis over all remaining bodies: "
+        "1/3 along each axis if all directions are equally likely."
+    ]
 
 
 def _of_the_cloud(near: bool) -> list[str]:

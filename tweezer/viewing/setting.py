@@ -51,11 +51,11 @@ def _body(scene: Scene) -> dict[str, Any]:
     }
     return {
         "shells": [scene.body.size],
-        "body": {"surface": packed, "plotted_axes": _plotted_axes(scene)},
+        "body": {"surface": packed, "plotted_axes": plotted_axes(scene)},
     }
 
 
-def _plotted_axes(scene: Scene) -> list[int]:
+def plotted_axes(scene: Scene) -> list[int]:
     """Return the axis about which the inertia of a body is the same all around; else z and x."""
     inertia = np.array(scene.body.inertia)
     same = _SAME_INERTIA * np.trace(inertia)
@@ -86,9 +86,16 @@ _SAME_INERTIA = 1e-6
 _SAME = 1e-12
 
 
-def of_the_picture(scene: Scene) -> list[str]:
-    """Return the notes on how to read the picture of a scene, and its limitations."""
-    if scene.bead.shape != "sphere":
+def of_the_picture(scene: Scene, *, oriented: bool = True) -> list[str]:
+    """Return the notes on how to read the picture of a scene, and its limitations.
+
+    A body that is not a sphere is drawn if it is `oriented`, that is, if the result contains its
+    orientation.
+    """
+    body = scene.bead.shape != "sphere"
+    if body and not oriented:
+        turns = "The body is not drawn, because the result does not contain its orientation."
+    elif body:
         turns = "The pattern on the body shows its rotation; its half at negative z is violet."
     elif scene.rotates:
         turns = "The pattern on the bead shows its rotation."
@@ -102,7 +109,7 @@ def of_the_picture(scene: Scene) -> list[str]:
         "drawn with a waist of half the wavelength over the sine of their angle. Its shade does "
         "not represent the intensity."
     ]
-    if scene.bead.shape != "sphere" and surface_of(scene.bead) is None:
+    if body and oriented and surface_of(scene.bead) is None:
         notes.append(
             "The surface of the body is not known. The picture shows the sphere that encloses it, "
             "and the x, y and z axes of the body."

@@ -39,7 +39,7 @@ export function start(content, shell) {
     beam.place(given.focus.map(micro));
     return beam;
   });
-  const bead = stage.bead(facts.shells.map(micro));
+  const bead = stage.bead(facts.shells.map(micro), facts.body), euler = shell.array("orientation");
   const way = stage.path(mean.map((x) => (Number.isFinite(x) ? 1e6 * x : 0)), true);
   shell.onTheme(() => way.colour(stage.colours("speed", times.length)));
   const cloud = stage.cloud(Math.max(beads, 1), "bead-dark", beads > MANY ? DISC : LARGE), rings = stage.cloud(Math.max(beads, 1), "light-ink", RING, true);
@@ -50,7 +50,7 @@ export function start(content, shell) {
   const counts = make("p", { class: "counts" });
   const sized = make("input", { type: "checkbox", checked: radius < 0.7 * reach, onchange: () => show(clock.time) });
   shell.picture.append(make("div", { class: "forces" }, counts,
-    make("label", {}, sized, " a bead to scale, at the mean"),
+    ...(facts.body && !euler ? [] : [make("label", {}, sized, facts.body ? " the first body, to scale" : " a bead to scale, at the mean")]),
     shell.layers({
       light: beams, ...(facts.trajectories && { beads: [cloud, rings] }), "path of the mean": [way], grid: [grid], walls,
     }, () => stage.draw())));
@@ -134,8 +134,9 @@ export function start(content, shell) {
   const show = (time) => {
     const [index] = locate(times, time);
     const here = [0, 1, 2].map((k) => micro(mean[3 * index + k]));
-    bead.group.visible = sized.checked;
-    bead.place(here);
+    const first = euler ? AXES.map((_, k) => micro(place[k][index * beads])) : here;
+    bead.group.visible = sized.checked && (!facts.body || Boolean(euler)) && first.every(Number.isFinite);
+    if (bead.group.visible) bead.place(first, euler?.subarray(4 * index, 4 * index + 4));
     way.upTo(index);
     if (place) {
       let drawn = 0, gone = 0;
@@ -164,6 +165,8 @@ export function start(content, shell) {
     duration: [clock.first, clock.last],
     // Places of the rings of the lost, um: for tests.
     rings: () => Array.from(rings.places),
+    bead: () => ({ at: bead.at(), visible: bead.group.visible }),
+    vertex: bead.vertex,
     show: (name, on) => { ({ bead, cloud })[name].group.visible = on; stage.draw(); },
   });
   if (!matchMedia("(prefers-reduced-motion: reduce)").matches && times.length > 1) clock.play();
@@ -197,6 +200,11 @@ function plotted(content, shell, clock, { mean, spread, left, near }) {
     new Plot(shell, shell.plots, x, of(mean, "mean_error", 1e6), { ...options, title: "Mean", unit: "µm", even: true }),
     new Plot(shell, shell.plots, x, of(spread, "spread_error", 1e9), { ...options, title: "Spread", unit: "nm" }),
   ];
+  const alignment = shell.array("alignment");
+  if (alignment) {
+    const title = `Alignment of body axis ${AXES[facts.body.plotted_axes[0]]}`;
+    plots.push(new Plot(shell, shell.plots, x, of(alignment, "alignment_error", 1), { ...options, title, unit: "", range: [-0.03, 1.03], even: true }));
+  }
   const share = (values) => values.map((n) => (100 * n) / facts.beads);
   // of a part p of n, half of Wilson's interval of one standard deviation
   const errors = (values) => values.map((n) => {
