@@ -63,7 +63,7 @@ def box(tmp_path_factory):
 
 @pytest.mark.parametrize("shape", BODIES)
 def test_surface_is_the_body(shape):
-    """Its volume is that of the formula, and its normals lead outwards."""
+    """A formula gives the volume, and the normals lead outwards."""
     keys, volume, farthest = BODIES[shape]
     found = surface_of(scene_of(shape, keys).bead)
     corners = found.vertices[found.faces] / UM

@@ -1,4 +1,4 @@
-"""Orientation of the bodies of an ensemble: of the first body, and the alignment of all."""
+"""Rotation on the page of an ensemble: orientation of the first body, and alignment of all."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ def orientations(
     """Return the arrays of an ensemble's page that show how its bodies turn, by name.
 
     * orientation: Euler parameters of the first body, (times, 4)
-    * alignment: mean squares of the direction cosines of an axis of the bodies that are not lost,
-      (times, 3). Each is 1/3 if all directions are equally likely.
+    * alignment: mean squared direction cosines of a body axis, (times, 3). Lost bodies do not
+      count. Each mean is 1/3 if all directions are equally likely.
     * alignment_error: their standard errors
 
     Parameters
