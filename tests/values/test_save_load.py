@@ -74,6 +74,7 @@ MADE = {
     "rotation": lambda: tweezer.rotation(tweezer.simulate(ROD, seed=1)),
     "run": lambda: tweezer.simulate(THERMAL, seed=1),
     "trap": lambda: tweezer.characterise(SCENE),
+    "body trap": lambda: tweezer.characterise(ROD),
     "calibration": calibration,
     "together": lambda: together([calibration(1), calibration(2)]),
     "surface": surface,
@@ -81,6 +82,8 @@ MADE = {
     "depth": depth,
     "tuning": tuning,
 }
+#: Keys of a file that contain a result
+WITHIN = ("trap", "body_trap", "together", "surface")
 made = functools.cache(lambda name: MADE[name]())
 
 
@@ -127,7 +130,7 @@ def test_a_file_with_a_changed_or_missing_value_is_refused(kind, tmp_path):
         with pytest.raises(tweezer.ResultError, match="damaged"):
             tweezer.load(path)
     del saved["sha256"]
-    inner = next((saved[key] for key in ("trap", "together", "surface") if key in saved), saved)
+    inner = next((saved[key] for key in WITHIN if key in saved), saved)
     part = inner[0] if isinstance(inner, list) else inner
     name = next(iter(part))
     part[name] = {"x": "y"}

@@ -35,9 +35,9 @@ def result_in(saved: Any, path: Path) -> BodyTrap:
             found
             | {
                 "scene": saved["scene"],
-                "equilibria": [_known(BodyEquilibrium, each) for each in found["equilibria"]],
+                "equilibria": _each(BodyEquilibrium, found["equilibria"]),
                 "equilibrium": held and _known(BodyEquilibrium, held),
-                "escapes": [_known(Escape, each) for each in found["escapes"]],
+                "escapes": _each(Escape, found["escapes"]),
             }
         )
         for reason in _wrong(trap):
@@ -50,6 +50,11 @@ def result_in(saved: Any, path: Path) -> BodyTrap:
         reason = " ".join(str(error).split())
         raise ResultError(f"{path}: not the trap of a body: {reason}") from None
     return trap
+
+
+def _each(of: type[Any], saved: Any) -> Any:
+    """Return a list of entries for a class, as `_known` does; anything else is unchanged."""
+    return [_known(of, each) for each in saved] if isinstance(saved, list) else saved
 
 
 def _known(of: type[Any], saved: dict[str, Any]) -> dict[str, Any]:
