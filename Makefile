@@ -4,9 +4,9 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(PYTHON) -m pip --python $(BIN)/python --disable-pip-version-check
 
-BENCHMARKS := force bodies integrate brownian fluid wall scaling depth calibrate camera free hydro heights sweep diagram fit commands view
+BENCHMARKS := force bodies rods integrate brownian fluid wall scaling depth calibrate camera free hydro heights sweep diagram fit commands view
 # draw and quote what was measured
-REPORTS := report bodies_report integrate_report brownian_report summary_report fluid_report wall_report scaling_report depth_report calibrate_report camera_report free_report real_tracks hydro_report heights_report sweep_report diagram_report fit_report commands_report view_report choosing_report
+REPORTS := report bodies_report rods_report integrate_report brownian_report summary_report fluid_report wall_report scaling_report depth_report calibrate_report camera_report free_report real_tracks hydro_report heights_report sweep_report diagram_report fit_report commands_report view_report choosing_report
 QUOTE = set -e; for each in $(REPORTS); do $(BIN)/python -m tests.benchmarks.$$each; done; $(BIN)/python -m tests.catalogue_page
 
 .PHONY: demo test lint bench ages figures docs stress package environments derivation notebooks vendor clean

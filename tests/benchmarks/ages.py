@@ -41,6 +41,7 @@ SUBJECTS: dict[str, tuple[str, ...]] = {
     "hydro": _CALIBRATION,
     "integrate": ("tweezer/dynamics", "tweezer/fluid", *_LIGHT),
     "real_tracks": _CALIBRATION,
+    "rods": (*_LIGHT, *_THERMAL, "generated/bodies.py", "tests/benchmarks/pose_grid.py"),
     "scaling": ("tweezer/ensembles", *_THERMAL),
     "sweep": ("tweezer/sweeps", "tweezer/trap", "tweezer/runs", *_LIGHT),
     "view": ("tweezer/viewing",),

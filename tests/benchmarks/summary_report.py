@@ -119,6 +119,15 @@ def _bodies(bodies: Results) -> str:
     )
 
 
+def _rods(rods: Results) -> str:
+    entry = rods["hopping"][0]
+    hops, flips = (entry[f"{key}_per_s"][0] for key in ("hops", "flips"))
+    return (
+        f"rod in two traps: {rounded(hops)} hops and {rounded(flips)} flips per second in "
+        f"{entry['steps']:.0e} steps of {rounded(entry['us_per_step'])} µs with the exact force"
+    )
+
+
 def _integration(integration: Results) -> str:
     motion = integration["headline"]["thesis-990nm, rays, map"]
     return (
@@ -265,6 +274,7 @@ def _commands(costs: Results) -> str:
 _SUBJECTS: dict[str, tuple[str, str, Callable[[Results], str]]] = {
     "force": ("The force of the light", "evidence-force.md", _force),
     "bodies": ("Light on spheroids and clusters", "evidence-bodies.md", _bodies),
+    "rods": ("Thermal motion of rods", "evidence-rods.md", _rods),
     "integrate": ("Integration in time", "evidence-integration.md", _integration),
     "brownian": ("Thermal motion", "evidence-thermal-motion.md", _thermal),
     "fluid": ("Fluid inertia", "evidence-fluid-inertia.md", _fluid),

@@ -49,6 +49,7 @@ from tests.benchmarks import (
     peers,
     real_tracks,
     report,
+    rods_report,
     scaling,
     scaling_report,
     summary_report,
@@ -370,7 +371,8 @@ def test_peers_integrate_our_equations(changes):
 @pytest.mark.parametrize("terminal", [True, False], ids=["80 columns", "pipe"])
 @pytest.mark.parametrize(
     ("name", "report"),
-    [("force", report), ("bodies", bodies_report), ("integrate", integrate_report),
+    [("force", report), ("bodies", bodies_report), ("rods", rods_report),
+     ("integrate", integrate_report),
      ("brownian", brownian_report), ("fluid", fluid_report),
      ("wall", wall_report), ("scaling", scaling_report),
      ("depth", depth_report), ("calibrate", calibrate_report), ("hydro", hydro_report),

@@ -76,6 +76,12 @@ _add_benchmark(
 
 
 _add_benchmark(
+    "rods", "rods_report",
+    "Thermal motion of rods: hops, flips and distributions. In exact light; rotation alone.",
+)  # fmt: skip
+
+
+_add_benchmark(
     "integrate", "integrate_report",
     "Integration: error against time. Own methods, SciPy, CVODE, others, the thesis's scaling.",
 )  # fmt: skip
