@@ -91,7 +91,7 @@ def _hopping(results: Results) -> list[list[str]]:
         ],
         ["depth of the left trap, kT", *(_paths(each["barrier_kT"]) for each in entries)],
         ["steps", *(f"{each['steps']:.1e}" for each in entries)],
-        ["followed, s", *(rounded(each["followed_s"]) for each in entries)],
+        ["followed, s", *(f"{each['followed_s']:.0f}" for each in entries)],
         ["hops", *(f"{each['hops']}" for each in entries)],
         ["hops per second", *(_interval(each["hops_per_s"]) for each in entries)],
         ["at most, by energy", *(_paths(each["hops_at_most_per_s"]) for each in entries)],
@@ -102,7 +102,7 @@ def _hopping(results: Results) -> list[list[str]]:
         ["by energy", *(_paths(each["right_over_left_by_energy"]) for each in entries)],
         ["mean of n_x^2", *(_interval(each["aligned"], 4) for each in entries)],
         ["by energy", *(_paths(each["aligned_by_energy"], 4) for each in entries)],
-        ["us per step", *(rounded(each["us_per_step"]) for each in entries)],
+        ["µs per step", *(rounded(each["us_per_step"]) for each in entries)],
         ["processor time, s", *(rounded(each["cpu_s"]) for each in entries)],
     ]
     return [["two traps", *(each["beams"] for each in entries)], *rows]
@@ -146,8 +146,8 @@ def _rotation(results: Results) -> list[list[str]]:
         ["thermal updates of a free rod", f"{turned['thermal_updates']:.0e}"],
         ["their largest error of the length", f"{turned['thermal_length_error']:.1e}"],
         ["one update, ns", rounded(turned["ns_per_update"])],
-        ["step in one trap, us", rounded(time["step_us"])],
-        ["two force calls, us", rounded(time["two_calls_us"])],
+        ["step in one trap, µs", rounded(time["step_us"])],
+        ["two force calls, µs", rounded(time["two_calls_us"])],
     ]
 
 
