@@ -55,7 +55,7 @@ INDEX = "commands.md"
 #: pages of the commands: title and commands
 COMMANDS = {
     "commands-runs.md": ("Commands for runs and traps", "new scenes run view trap tune"),
-    "commands-series.md": ("Commands for ensembles and sweeps", "ensemble sweep compare"),
+    "commands-series.md": ("Commands for ensembles and sweeps", "ensemble sweep rotation compare"),
     "commands-recordings.md": ("Commands for recordings", "examples calibrate fit fit-depth"),
     "commands-machine.md": (
         "Commands for caches and checks", "reproduce map warmup info cache bench"

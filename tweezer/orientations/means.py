@@ -39,10 +39,13 @@ class Parts:
         n = values.shape[1]
         blocks = max(1, min(_BLOCKS, n // span)) if successive else 1
         begins = np.arange(blocks) * n // blocks
-        valid = np.isfinite(values).all(axis=tuple(range(2, values.ndim)))
-        kept = np.where(valid.reshape(*valid.shape, *(1,) * (values.ndim - 2)), values, 0.0)
-        totals = np.add.reduceat(kept, begins, axis=1)
-        counts = np.add.reduceat(valid, begins, axis=1, dtype=np.float64)
+        totals = np.add.reduceat(values, begins, axis=1)
+        counts = np.tile(np.diff(begins, append=n), (len(values), 1)).astype(np.float64)
+        if np.isnan(totals).any():
+            valid = np.isfinite(values).all(axis=tuple(range(2, values.ndim)))
+            kept = np.where(valid.reshape(*valid.shape, *(1,) * (values.ndim - 2)), values, 0.0)
+            totals = np.add.reduceat(kept, begins, axis=1)
+            counts = np.add.reduceat(valid, begins, axis=1, dtype=np.float64)
         return cls(totals.reshape(-1, *values.shape[2:]), counts.ravel(), successive)
 
     @classmethod
