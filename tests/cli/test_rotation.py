@@ -55,9 +55,9 @@ def test_rates_order_and_decay_times_are_printed(file, command_line):
 
 def test_result_is_written_and_loaded(file, spinning, command_line):
     outcome = command_line("rotation", str(file), "--axis", "1", "0", "0", "--skip", "10 ms",
-                           "--out", "out.nc", "--plot", "out.png")  # fmt: skip
+                           "--segments", "1", "--out", "out.nc", "--plot", "out.png")  # fmt: skip
     assert (outcome.code, outcome.err) == (0, "")
-    expected = tweezer.rotation(spinning, (1, 0, 0), skip="10 ms")
+    expected = tweezer.rotation(spinning, (1, 0, 0), skip="10 ms", segments=1)
     xr.testing.assert_identical(tweezer.load("out.nc"), expected)
     again = command_line("rotation", str(file), "--out", "out.nc")
     assert again.code == 2
@@ -84,6 +84,7 @@ def test_samples_too_rare_are_refused_with_the_option(spinning, command_line, tm
         (["spinning.nc", "--axis", "0", "0", "0"], "axis = (0.0, 0.0, 0.0): must be 3 numbers"),
         (["spinning.nc", "--skip", "1 s"], "contains 0 samples after skip = 1 s"),
         (["spinning.nc", "--skip", "-1 s"], "--skip"),
+        (["spinning.nc", "--segments", "0"], "segments = 0: must be a whole number of at least 1"),
     ],
 )
 def test_bad_arguments_are_one_line(file, command_line, arguments, said):

@@ -203,7 +203,9 @@ def test_order_of_drawn_directions_is_that_of_their_distribution():
     # Var P2 = (9/4) Var c^2 with <c^4> = 1/2, <c^2> = 2/3
     error = np.sqrt(2.25 * (1 / 2 - 4 / 9) / 4000)
     assert 0.4 * error < float(found.order_parameter_error) < 1.8 * error
-    with pytest.raises(tweezer.ResultError, match=r"store samples more often, or omit the rates"):
+    with pytest.raises(
+        tweezer.ResultError, match=r"store samples more often, or omit the rates by rates=False"
+    ):
         tweezer.rotation(run)
 
 
@@ -302,6 +304,8 @@ RUN = spinning([0, 0, 5.0], 100, 0.01)
     ("run", "options", "said"),
     [
         (RUN.drop_vars("orientation"), {}, "no orientation over time; must be a run"),
+        ({"orientation": [1, 0, 0, 0]}, {}, "no orientation over time; must be a run"),
+        (RUN.orientation, {}, "no orientation over time; must be a run"),
         (RUN.isel(time=0), {}, "orientation is over (euler_parameter); must be over"),
         (RUN.isel(time=[3]), {}, "contains 1 samples; at least 2 are required"),
         (RUN.isel(time=[]), {}, "contains 0 samples"),

@@ -44,6 +44,13 @@ def rotation(
         ),
     ] = (0, 0, 1),
     skip: Skip = "0",
+    segments: Annotated[
+        int,
+        typer.Option(
+            help="Number of parts of each trajectory over which the spectrum is averaged. Fewer "
+            "parts give sharper lines and larger errors."
+        ),
+    ] = 8,
     no_rates: Annotated[
         bool,
         typer.Option(
@@ -68,7 +75,7 @@ def rotation(
     from tweezer.values.units import Time
 
     skipped = quantity_in("--skip", skip, Time)
-    found = analysed(run, axis, skip=skipped, rates=not no_rates)
+    found = analysed(run, axis, skip=skipped, segments=segments, rates=not no_rates)
     print_shown(run.name, _rows(found))
     say("+- is half of the 95 % confidence interval.")
     if out:

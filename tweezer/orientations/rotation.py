@@ -172,7 +172,8 @@ def _turning(
     if largest > _LARGEST_TURN:
         raise ResultError(
             f"orientation: the body turns by {largest:.3g} rad between two samples; must be at "
-            f"most {_LARGEST_TURN:.3g}; store samples more often, or omit the rates"
+            f"most {_LARGEST_TURN:.3g}; store samples more often, or omit the rates by "
+            "rates=False or --no-rates"
         )
     sums: dict[str, list[Parts]] = {}
     for end, each in (("", in_laboratory(orientation[:, :-1], in_body)), ("_body", in_body)):
@@ -189,7 +190,7 @@ def _turning(
     return sums
 
 
-def _uncorrected(turn: Parts, square: Parts) -> Parts:
+def _corrected(turn: Parts, square: Parts) -> Parts:
     """Return turns from which the effect of their own variance on the mean is removed.
 
     The turn of an interval is the rotation vector of a product of small turns. To first order in
@@ -230,7 +231,7 @@ def _dataset(
         ("", "axis", "laboratory axes"), ("_body", "body_axis", "body frame"),
     ):  # fmt: skip
         if f"turn{end}" in sums:
-            turn = _uncorrected(sums[f"turn{end}"][0], sums[f"square{end}"][0])
+            turn = _corrected(sums[f"turn{end}"][0], sums[f"square{end}"][0])
             _put(dataset, f"rate{end}", (dimension,), turn.mean / samples.step,
                  turn.error / samples.step, "rad/s", f"mean angular velocity, {frame}",
                  turn.freedom)  # fmt: skip

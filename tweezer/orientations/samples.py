@@ -45,7 +45,7 @@ class Samples:
 
         Raises `ResultError` if there are none, or fewer than two at equal intervals.
         """
-        if "orientation" not in source.variables or "time" not in source.variables:
+        if not {"orientation", "time"} <= {*getattr(source, "variables", ())}:
             raise ResultError(
                 "contains no orientation over time; must be a run, or trajectories of an ensemble, "
                 "of a body that rotates"
