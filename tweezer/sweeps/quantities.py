@@ -127,10 +127,11 @@ class Asked:
 
 def _of_trap(scene: Scene, asked: Asked) -> Values:
     """Characterise the trap of a scene, and return its values."""
-    from tweezer.trap.trap import sphere_trap
+    from tweezer.trap import Trap, characterise
 
-    found = sphere_trap(scene, asked.own)
-    _ = found.lifetime  # computed on first use
+    found = characterise(scene, forces=asked.own)
+    if isinstance(found, Trap):
+        _ = found.lifetime  # computed on first use
     return values_of(found, scene.medium.temperature)
 
 

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from tweezer.dynamics.escape import Escape, escapes
+from tweezer.dynamics.escape import Escape, escapes, too_shallow
 from tweezer.dynamics.poses import ANGLE, FREE, PLACE, BodyEquilibrium, PoseSearch
 from tweezer.fluid.resistance.of_scene import resistance
 from tweezer.optics import Beams, LightForce
@@ -80,7 +80,24 @@ class BodyTrap(Comparable, Result):
                 yield known.ROTATION(held.rotation, np.full(3, torque + own))
             ways = self.escapes
             yield known.ESCAPE_FORCE([each.force for each in ways], np.full(len(ways), error))
+            lengths = np.array([math.nan if each.range is None else each.range for each in ways])
+            yield known.ESCAPE_ENERGY(
+                [each.energy for each in ways],
+                [each.energy_error for each in ways] + error * lengths,
+            )
         yield known.FORCE_ERROR(error)
+
+    def words(self) -> dict[str, str]:
+        """Return the outcome of the body, and the reason if it is not held.
+
+        The depth is that of the body at its orientation at the equilibrium.
+        """
+        if self.equilibrium is None:
+            return {"outcome": known.LOST, "reason": f"no stable equilibrium {self.searched}"}
+        if reason := too_shallow(self.escapes):
+            return {"outcome": known.LOST, "reason": reason}
+        deep = min(each.energy_kT for each in self.escapes) >= known.STABLE
+        return {"outcome": known.HELD if deep else known.SHALLOW}
 
     def content(self) -> dict[str, Any]:
         """Return the fields except the scene as plain values, for a file."""

@@ -48,14 +48,17 @@ QUANTITIES = (
 )  # fmt: skip
 ROTATIONAL_STIFFNESS = Quantity(
     "rotational_stiffness", "N m", "stiffness against rotation at the equilibrium", "axis",
-    compared=True,
+    swept=False, compared=True,
 )  # fmt: skip
 ROTATION = Quantity(
     "rotation", "rad/s", "angular velocity of the steady rotation at the equilibrium", "axis",
-    compared=True,
+    swept=False, compared=True,
 )  # fmt: skip
 #: Quantities of the trap of a body that is not a sphere
-OF_BODY = (EQUILIBRIUM, STIFFNESS, ROTATIONAL_STIFFNESS, ROTATION, ESCAPE_FORCE, FORCE_ERROR)
+OF_BODY = (
+    EQUILIBRIUM, STIFFNESS, ROTATIONAL_STIFFNESS, ROTATION, ESCAPE_FORCE, ESCAPE_ENERGY,
+    FORCE_ERROR,
+)  # fmt: skip
 
 
 def gradient_of_errors(scene: Scene) -> float:
