@@ -135,7 +135,7 @@ REFUSED: dict[str, tuple[Callable[[Problem], None], tuple[Data, ...], str, list[
     ),
     "rod at an equilibrium": (
         thermal, (DARK, ROD, {"start": {"drawn": "equilibrium"}}),
-        "start.drawn = 'equilibrium': requires a sphere", [],
+        "start.drawn = 'equilibrium': requires a stable equilibrium", [],
     ),
     "rod with inertia in frames": (
         thermal, (DARK, ROD, FILMED, with_method("heun", model="full")),

@@ -25,7 +25,7 @@ def test_stored_force_is_at_the_orientation_of_each_sample(brownian):
         np.testing.assert_allclose(run.optical_force[i], there, rtol=1e-6, atol=1e-18)
     if not brownian:
         summary = tweezer.summarise(run)
-        assert summary.outcome == "complete"
+        assert summary.outcome == "captured"
         largest = np.linalg.norm(run.optical_force, axis=1).max()
         assert summary.largest_force == pytest.approx(largest, rel=0.05)
 

@@ -13,7 +13,7 @@ import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Any, NamedTuple, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self, TypeVar
 
 import numpy as np
 
@@ -28,6 +28,9 @@ from tweezer.scene.choices import METHODS, MODELS, Method, Model, at, methods
 from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
 from tweezer.values.errors import SceneError
+
+if TYPE_CHECKING:
+    from tweezer.dynamics.poses import BodyEquilibrium
 
 #: Rotational diffusion in the relaxation time, rad^2, above which gyroscopic forces are noticeable
 _GYROSCOPIC = 1e-3
@@ -70,6 +73,10 @@ class Bound(Protocol):
     @property
     def equilibrium(self) -> Equilibrium | None:
         """Stable equilibrium nearest the focus, or None."""
+
+    @property
+    def pose(self) -> BodyEquilibrium | None:
+        """Stable pose nearest the focus of a body that is no sphere, or None."""
 
     @property
     def emitted(self) -> ModuleType:
@@ -274,9 +281,6 @@ NEEDS = (
              lambda each: its.model.name in each.bodies))),
     Need("wall", lambda its: its.body and its.problem.scene.wall is not None,
          "thermal motion beside a wall requires a sphere", lambda _: "remove wall"),
-    Need("start.drawn",
-         lambda its: its.body and its.problem.scene.start.drawn in ("equilibrium", "boltzmann"),
-         "requires a sphere", _set("start.drawn", "no")),
     Need("simulation.model",
          lambda its: its.body and its.model.inertia and its.problem.scene.camera is not None,
          "is not available for a body that is not a sphere and a camera",
@@ -309,7 +313,7 @@ NEEDS = (
          _WITHOUT_TRAP, _HEUN),
     Need("start.drawn",
          lambda its: its.problem.scene.start.drawn in ("equilibrium", "boltzmann")
-         and its.problem.equilibrium is None,
+         and its.problem.equilibrium is None and its.problem.pose is None,
          _WITHOUT_TRAP, _set("start.drawn", "no")),
 )  # fmt: skip
 #: Of thermal motion in which events are looked for

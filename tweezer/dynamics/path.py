@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from tweezer.dynamics.events import Occurrence, Piece, crossing
 from tweezer.dynamics.layout import POSITION
 from tweezer.dynamics.models import EquationsOfMotion, Motion
 from tweezer.values.arrays import Array
+
+if TYPE_CHECKING:
+    from tweezer.dynamics.poses import Rest
 
 #: of ascending times (n,) s, gives (n,)
 Value = Callable[[Array], Array]
@@ -196,7 +199,7 @@ class Passage(NamedTuple):
 
 
 def passage(
-    path: Path, events: Sequence[Occurrence], rest: Array, near: float
+    path: Path, events: Sequence[Occurrence], rest: Array | Rest, near: float
 ) -> tuple[Passage, Passage]:
     """Return the passage of a motion, and the accuracy of its location on the dense output.
 
@@ -206,8 +209,8 @@ def passage(
         Dense output of the run.
     events : sequence of Occurrence
         Events of the run, including its closest approach.
-    rest : ndarray
-        Position or ring at which the bead settles, as in `distances_from`, m.
+    rest : ndarray or Rest
+        Position, ring or pose at which the bead settles, as in `distances_from`, m.
     near : float
         Largest distance from `rest` that counts as near, m.
     """
@@ -225,7 +228,8 @@ def passage(
 
     def away(at: Array) -> Array:
         """Return by how much the distance from rest exceeds `near` at times (n,), s: (n,) m."""
-        return distances_from(rest, path.positions(at)) - near
+        turned = None if isinstance(rest, np.ndarray) else path.motion(at).orientation
+        return distances_from(rest, path.positions(at), turned) - near
 
     if away(times[-1:])[0] < 0:
         settled = last_fall(away, times, close)
@@ -236,11 +240,17 @@ def passage(
     )
 
 
-def distances_from(rest: Array, positions: Array) -> Array:
-    """Return distances of `positions` (n, 3), m, from a point or a ring, (n,) m.
+def distances_from(
+    rest: Array | Rest, positions: Array, orientations: Array | None = None
+) -> Array:
+    """Return distances of `positions` (n, 3), m, from a point, a ring or a pose, (n,) m.
 
-    rest: (3,) position of the point, or (2,) radius and height of the ring, m.
+    rest: (3,) position of the point, (2,) radius and height of the ring, m, or a pose, which
+    requires `orientations` (n, 4), Euler parameters.
     """
+    if not isinstance(rest, np.ndarray):
+        assert orientations is not None  # a body that has poses rotates
+        return rest.distances(positions, orientations)
     if len(rest) == 3:
         return np.linalg.norm(positions - rest, axis=1)
     return np.linalg.norm(across_axis(positions) - rest, axis=1)

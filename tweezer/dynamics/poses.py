@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
+from scipy.special import ndtr
 
 from tweezer.fluid.resistance.of_scene import resistance
 from tweezer.optics import Beams, LightForce, light_force
@@ -43,6 +44,9 @@ _FARTHEST, _TURN = 0.1, 0.3
 _VANISHED = 1e-9
 #: Stiffness that counts as zero, as a part of the largest
 FREE = 1e-7
+#: Number of normal numbers from which a pose is drawn: six displacements, and turns about at most
+#: three axes of the body and the axis of the light
+POSE_NORMALS = 10
 #: Distance of two equilibria that are the same, in radii, and angle, rad
 _SAME, _SAME_ANGLE = 1e-4, 1e-3
 
@@ -106,6 +110,58 @@ class BodyEquilibrium(Comparable):
         return float(across / max(size[PLACE, PLACE].max(), size[ANGLE, ANGLE].max()))
 
 
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """Pose at which a body rests, and distances from it in position and orientation."""
+
+    position: Array
+    """(3,) m"""
+    orientation: Array
+    """(4,) Euler parameters"""
+    length: float
+    """length by which angles are multiplied, m"""
+    axes: Array
+    """(n, 3) axes of revolution of the body, in its frame"""
+    around: bool
+    """whether poses that differ by a turn about the z axis are the same"""
+
+    def distances(self, positions: Array, orientations: Array) -> Array:
+        """Return the distances (n,), m, of poses: the root of the squared distance and the squared
+        angle times `length`.
+
+        Turns that change nothing do not count, and neither does the sign of an axis of revolution.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (n, 3)
+            Positions, m.
+        orientations : ndarray, shape (n, 4)
+            Euler parameters.
+        """
+        apart = positions - self.position
+        if self.around:
+            across = np.linalg.norm(positions[:, :2], axis=1) - math.hypot(*self.position[:2])
+            apart = np.column_stack([across, apart[:, 2]])
+        return np.hypot(
+            np.linalg.norm(apart, axis=1), self.length * self._angles(_rotation(orientations))
+        )
+
+    def _angles(self, turned: Rotation) -> Array:
+        """Return the smallest angles (n,) by which orientations differ from the pose, rad."""
+        here = _rotation(self.orientation)
+        if len(self.axes) > 1:
+            return np.zeros(len(turned))
+        if len(self.axes) == 1:
+            axes, axis = turned.apply(self.axes[0]), here.apply(self.axes[0])
+            if self.around:
+                tilts = np.arccos(np.clip(np.abs([*axes[:, 2], axis[2]]), 0.0, 1.0))
+                return np.asarray(np.abs(tilts[:-1] - tilts[-1]))
+            return np.arccos(np.clip(np.abs(axes @ axis), 0.0, 1.0))
+        e = (turned * here.inv()).as_quat(scalar_first=True)
+        cosines = np.hypot(e[:, 0], e[:, 3]) if self.around else np.abs(e[:, 0])
+        return 2 * np.arccos(np.clip(cosines, 0.0, 1.0))
+
+
 class _Steady(NamedTuple):
     """Steady rotation at a pose, in the units of `_scaled`."""
 
@@ -162,6 +218,57 @@ class PoseSearch:
             starts
         )
 
+    def nearest(self) -> BodyEquilibrium | None:
+        """Return the stable equilibrium nearest the focus; None if none is found."""
+        stable = (each for each in self.equilibria()[0] if each.stable)
+        return min(stable, key=lambda each: float(np.linalg.norm(each.position)), default=None)
+
+    def rest(self, place: BodyEquilibrium) -> Rest:
+        """Return the pose of an equilibrium, from which distances are measured."""
+        r, e = np.asarray(place.position), np.asarray(place.orientation)
+        return Rest(r, e, self.length, self.axes, self.around)
+
+    def drawn(self, place: BodyEquilibrium, kT: float, normals: Array) -> tuple[Array, Array]:
+        """Return poses in the stationary distribution of the linear overdamped motion.
+
+        The covariance S of displacements solves A S + S A^T = 2 kT B, where A is the matrix of
+        `relaxation_rates` and B the mobility. Turns that change nothing are uniformly distributed.
+
+        Parameters
+        ----------
+        place : BodyEquilibrium
+            Stable equilibrium.
+        kT : float
+            Thermal energy, J.
+        normals : ndarray, shape (n, POSE_NORMALS)
+            Standard normal numbers.
+
+        Returns
+        -------
+        tuple of ndarray
+            Positions (n, 3), m, and Euler parameters (n, 4).
+        """
+        from scipy.linalg import null_space, solve_continuous_lyapunov
+
+        r, e = np.asarray(place.position), np.asarray(place.orientation)
+        turning = place.rotation is not None and bool(np.any(place.rotation))
+        motions = self._unchanging(r, e)
+        ways = null_space(motions) if len(motions) else np.eye(6)
+        decay = ways.T @ self._decay(r, e, np.asarray(place.stiffness), turning=turning) @ ways
+        noise = 2 * kT * ways.T @ np.linalg.inv(self._drag(e)) @ ways
+        covariance = solve_continuous_lyapunov(decay, noise)
+        root = ways @ np.linalg.cholesky(0.5 * (covariance + covariance.T))
+        moved = normals[:, : root.shape[1]] @ root.T
+        angles = 2 * math.pi * ndtr(normals[:, 6:])
+        turned = Rotation.from_rotvec(moved[:, ANGLE] / self.length) * _rotation(e)
+        for axis, angle in zip(self.axes, angles.T, strict=False):
+            turned = turned * Rotation.from_rotvec(angle[:, None] * axis)
+        positions = r + moved[:, PLACE]
+        if self.around:
+            about = Rotation.from_rotvec(angles[:, -1:] * [0.0, 0.0, 1.0])
+            positions, turned = about.apply(positions), about * turned
+        return positions, turned.as_quat(scalar_first=True)
+
     def force_at(self, orientation: Array, points: Array) -> Array:
         """Return light and weight at points (n, 3), m, with one orientation, (n, 3) N."""
         turned = np.ascontiguousarray(np.broadcast_to(orientation, (len(points), 4)))
@@ -201,6 +308,7 @@ class PoseSearch:
             scale = max(scale, size)
             if damping is None:
                 damping = float(np.abs(k).max())
+                scale = max(scale, damping * farthest)  # a search may start at an equilibrium
             step = np.linalg.solve(k + damping * np.eye(6), force)
             angle = _length(step[ANGLE]) / self.length
             step *= min(1.0, farthest / _length(step[PLACE]), _TURN / angle)

@@ -7,7 +7,7 @@ import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -39,6 +39,9 @@ from tweezer.scene.choices import MODELS, POLES
 from tweezer.values.arrays import Array
 from tweezer.values.constants import speed_of_light
 from tweezer.values.errors import SceneError
+
+if TYPE_CHECKING:
+    from tweezer.dynamics.poses import BodyEquilibrium, PoseSearch
 
 #: Number of places about each focus at which speed and stiffness are evaluated
 _PLACES = 64
@@ -401,11 +404,23 @@ class Problem:
     @functools.cached_property
     def equilibrium(self) -> Equilibrium | None:
         """Stable equilibrium nearest the focus at time 0, or None; always None for a body that is
-        no sphere, whose equilibria are poses.
+        no sphere, whose equilibria are poses (`pose`).
         """
         if self.body is not None:
             return None
         return nearest_stable(self.equilibria(self.net_force))
+
+    @functools.cached_property
+    def poses(self) -> PoseSearch:
+        """Search for the poses at which a body that is no sphere rests at time 0."""
+        from tweezer.dynamics.poses import PoseSearch  # spheres do without
+
+        return PoseSearch(self.scene)
+
+    @functools.cached_property
+    def pose(self) -> BodyEquilibrium | None:
+        """Stable pose nearest the focus at time 0 of a body that is no sphere, or None."""
+        return self.poses.nearest() if self.body is not None and self.scene.lit else None
 
     def changed(self, **simulation: Any) -> Problem:
         """Return a copy of this problem, with these values for keys of the scene's `simulation`."""

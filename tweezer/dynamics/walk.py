@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.dynamics.beside_wall import held
+from tweezer.dynamics.body import BodyMotion
 from tweezer.dynamics.brownian import crossing, march, memory, noise, propagator
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
 from tweezer.dynamics.brownian.crossing import Boundary, share
@@ -141,6 +142,10 @@ class Walk:
         The time of loss is infinite for a bead that is not lost.
         """
         start, plan, n = self.scene.start, self.plan, len(trajectories)
+        if self.problem.body is not None and start.drawn in ("equilibrium", "boltzmann"):
+            return self._at_rest(
+                self.problem.body, trajectories, thermal=start.drawn == "boltzmann"
+            )
         remembers = "memory" in self.layout
         numbers = np.empty((_DRAWN.width + self.layout.blocks.get("memory", 0), n))
         if start.drawn in ("ball", "boltzmann") or remembers:
@@ -184,6 +189,36 @@ class Walk:
             if thermal and "angular_velocity" in self.layout:
                 turning = drawn[:, _DRAWN.at("angular_velocity")]
                 parts["angular_velocity"] = turning * speed[ROTATION]
+        return np.ascontiguousarray(np.hstack([parts[name] for name in self.layout.blocks]))
+
+    def _at_rest(self, body: BodyMotion, trajectories: Integers, *, thermal: bool) -> Array:
+        """Return states (n, layout.width) of a body that is no sphere at its equilibrium pose.
+
+        If `thermal`, poses are in the stationary distribution about it (`PoseSearch.drawn`), and
+        the twists V have the covariance kT M^-1. Otherwise the body has the initial velocities of
+        the scene.
+        """
+        from tweezer.dynamics.poses import POSE_NORMALS  # spheres do without
+
+        start, pose, n = self.scene.start, self.problem.pose, len(trajectories)
+        assert pose is not None  # a scene without one is refused
+        x, e = np.tile(pose.position, (n, 1)), np.tile(pose.orientation, (n, 1))
+        twists = np.zeros((n, 6))
+        twists[:, ROTATION] = start.angular_velocity
+        if thermal:
+            normals = np.empty((6 + POSE_NORMALS, n))
+            noise.normals(self.seed, trajectories, 0, noise.START, normals)
+            twists = math.sqrt(self.plan.kT) * normals[:6].T @ body.velocities.T
+            x, e = self.problem.poses.drawn(pose, self.plan.kT, normals[6:].T)
+        turned = rotation_matrices(e)
+        v, w = (
+            np.einsum("nij,nj->ni", turned, twists[:, part]) for part in (TRANSLATION, ROTATION)
+        )
+        parts = {
+            "position": x, "velocity": v if thermal else v + start.velocity, "orientation": e,
+            "angular_velocity": w, "exposure": np.zeros((n, HELD)),
+            "lost_time": np.full((n, 1), np.inf),
+        }  # fmt: skip
         return np.ascontiguousarray(np.hstack([parts[name] for name in self.layout.blocks]))
 
     def _memory(self, drawn: Array, v: Array, *, thermal: bool) -> tuple[Array, Array]:

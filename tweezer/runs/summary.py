@@ -23,6 +23,7 @@ from tweezer.results.io import scene_in
 from tweezer.results.run import Run
 from tweezer.results.schema import events_in, of_validation
 from tweezer.runs import quantities as known
+from tweezer.runs.outcome_of_body import CAPTURED, NOT_CAPTURED, outcome_of_body
 from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
 from tweezer.values.measured import Measured, Result
@@ -32,13 +33,14 @@ from tweezer.values.shown import Card, Row
 if TYPE_CHECKING:
     import xarray as xr
 
+    from tweezer.dynamics.poses import Rest
     from tweezer.scene import Scene
 
 
 #: Largest distance of a captured bead from the equilibrium, in radii
 CAPTURE_RADII = 0.1
-#: Outcomes of a bead that is held by an equilibrium, or by a ring
-CAPTURED, ON_RING = "captured", "captured on a ring"
+#: Outcome of a bead that is held by a ring
+ON_RING = "captured on a ring"
 
 #: Newton's method ends after this number of steps, or after a step shorter than this fraction of
 #: the allowed distance from its start
@@ -107,7 +109,7 @@ class Summary(Result):
 
         It is "" for other outcomes.
         """
-        if self.outcome == "not captured" and self.sought_within is not None:
+        if self.outcome == NOT_CAPTURED and self.sought_within is not None:
             within = printed(self.sought_within, "um", 3)
             return f"; no stable equilibrium within {within} of its end"
         if self.outcome != "complete":
@@ -140,7 +142,7 @@ class Summary(Result):
         doubt: caveat of the outcome; "" for none.
         """
         when = with_error(self.outcome_time, self.outcome_time_error, "ms")
-        if self.outcome == "not captured" and self.sought_within is not None:
+        if self.outcome == NOT_CAPTURED and self.sought_within is not None:
             yield Row("outcome", f"{self.outcome}, {when}", doubt)
             within = printed(self.sought_within, "um", 3)
             yield Row("no stable equilibrium", f"within {within} of its end")
@@ -177,6 +179,9 @@ def summarise(run: xr.Dataset) -> Summary:
       which is located by Newton's method for all forces except drag. The capture time is the time
       after which the bead stays there. The stability of the equilibrium takes the scene's inertia
       into account.
+    * captured: for a body that is no sphere, the last position and orientation are close to a
+      stable equilibrium pose, within a tenth of the body's radius and of a radian. At this pose the
+      body may rotate steadily.
     * captured on a ring: the last position is as close to a ring around the beam axis, on which the
       light holds the bead, at rest or in motion around the axis.
     * complete: the light moves or changes until the end, so there is no fixed equilibrium.
@@ -218,7 +223,7 @@ def summary_of(run: Run) -> Summary:
             return summary
     scene = scene_in(run.attributes)
     outcome, outcome_time, _, _ = _outcome(run, times, position, scene)
-    sought = _sought(scene) if outcome == "not captured" else None
+    sought = _sought(scene) if outcome == NOT_CAPTURED else None
     approach, approach_time = _closest_approach(run)
     return Summary(
         outcome=outcome,
@@ -283,7 +288,7 @@ def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> S
         largest_reynolds_number_error=_known(number * errors.largest_speed),
         smallest_gap=_known(here.smallest_gap),
         smallest_gap_error=_known(errors.smallest_gap),
-        sought_within=_sought(scene) if outcome == "not captured" else None,
+        sought_within=_sought(scene) if outcome == NOT_CAPTURED else None,
     )
 
 
@@ -301,14 +306,14 @@ def _read(text: str) -> Summary:
 
 
 def _errors(
-    here: Passage, located: Passage, budget: ErrorBudget, rest: Array, nearby: float
+    here: Passage, located: Passage, budget: ErrorBudget, rest: Array | Rest, nearby: float
 ) -> Passage:
     """Return the errors of the events on a path, by comparison with a finer run; NaN without one.
 
     `here` contains the events of the run, `located` the errors of locating them, and `budget` the
     finer run. `rest` is the position (3,) where the bead settles, or radius and height of a ring,
-    m, and `nearby` the distance from it within which it has settled, m. Each error is the
-    difference from the finer run, times the ratio of error to difference, plus both errors of
+    m, or a pose, and `nearby` the distance from it within which it has settled, m. Each error is
+    the difference from the finer run, times the ratio of error to difference, plus both errors of
     locating.
     """
     finer = budget.finer
@@ -361,21 +366,22 @@ def _known(value: float) -> float | None:
 
 def _outcome(
     run: Run, times: Array, position: Array, scene: Scene, bound: Problem | None = None
-) -> tuple[str, float, Array, float]:
+) -> tuple[str, float, Array | Rest, float]:
     """Return the outcome of a run, its time, where the bead settled, and the error of that
     position.
 
     The time, s, follows from the samples. The position is (3,), or radius and height of a ring, m,
-    and so is its error. `times` (n,) are in s and `position` (n, 3) in m. `bound` is the scene with
-    its equations, if they are bound already.
+    and so is its error; for a body that is no sphere it is a pose. `times` (n,) are in s and
+    `position` (n, 3) in m. `bound` is the scene with its equations, if they are bound already.
     """
     if "status" not in run.attributes:
         raise ResultError("not a run: it has no attribute status")
     status, end = run.attributes["status"], float(times[-1])
     changing = scene.last_change >= end > 0
-    shaped = scene.bead.shape != "sphere"  # its equilibria are poses
-    if status != "complete" or run.attributes.get("other_forces") or changing or shaped:
+    if status != "complete" or run.attributes.get("other_forces") or changing:
         return status, end, position[-1], 0.0
+    if scene.bead.shape != "sphere":
+        return outcome_of_body(run, scene, CAPTURE_RADII * scene.body.size, _sought(scene))
     problem = bound or bound_once(scene)
     nearby = CAPTURE_RADII * scene.body.size
     settled = position[-max(1, len(position) // 10) :] if scene.forces.brownian else position[-1:]
@@ -383,11 +389,11 @@ def _outcome(
     if found is None:
         outcome, found = ON_RING, _ring(problem, settled, _sought(scene))
     if found is None:
-        return "not captured", end, settled.mean(axis=0), 0.0
+        return NOT_CAPTURED, end, settled.mean(axis=0), 0.0
     away = distances_from(found[0], position) > nearby
     if scene.forces.brownian:
         if away.all() or _too_shallow(problem, outcome, found[0]):
-            return "not captured", end, settled.mean(axis=0), 0.0
+            return NOT_CAPTURED, end, settled.mean(axis=0), 0.0
         return outcome, float(times[away.argmin()]), *found
     last_away = int(np.flatnonzero(away)[-1]) if away.any() else -1
     return outcome, float(times[last_away + 1]), *found

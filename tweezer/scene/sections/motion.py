@@ -75,7 +75,8 @@ class Start(Section):
         description="no: released at `position` with `velocity`. With thermal motion also "
         "equilibrium: at the stable equilibrium nearest the focus; ball: uniformly within "
         "`ball_radius` of `position`; boltzmann: normally distributed about the equilibrium with "
-        "the trap stiffness, with thermal velocities and the given `orientation`",
+        "the trap stiffness and thermal velocities. A sphere is released with the given "
+        "`orientation`, and a body of another shape with the orientation of the equilibrium",
     )
     ball_radius: PositiveLength | None = Field(
         None, description="radius of the ball from which the release is drawn"
