@@ -97,7 +97,10 @@ def test_rods_are_lost_at_the_loss_distance():
         ({"simulation": {"method": "one-call", "model": "full"}}, "must be heun"),
         ({"simulation": {"method": "euler-maruyama"}}, "must be heun or one-call"),
         ({"simulation": {"method": "heun", "model": "first-order"}}, "must be full or overdamped"),
-        ({"start": {"drawn": "boltzmann"}}, "start.drawn = 'boltzmann': requires a stable equilibrium"),
+        (
+            {"start": {"drawn": "boltzmann"}},
+            "start.drawn = 'boltzmann': requires a stable equilibrium",
+        ),
         ({"camera": {"rate": "1 kHz", "exposure": "0.5 ms"}}, "set simulation.model to overdamped"),
         ({"medium": {"inertia": "memory"}}, "medium.inertia = 'memory'"),
         ({"wall": {"position": "-5 um"}}, "thermal motion beside a wall requires a sphere"),
