@@ -71,6 +71,8 @@ def test_body_without_light_is_not_captured():
 def test_thermal_rod_is_captured_in_its_trap_and_not_in_weak_light():
     thermal = ROD.replace(forces={"brownian": True}, simulation={"duration": "5 ms"})
     assert tweezer.summarise(tweezer.simulate(thermal, seed=2)).outcome == "captured"
+    flipping = tweezer.simulate(tweezer.load_scene("flipping-rod"), seed=1)
+    assert tweezer.summarise(flipping).outcome == "captured"
     weak = thermal.replace(beam={"power_through_pupil": "0.05 mW"})
     assert tweezer.summarise(tweezer.simulate(weak, seed=2)).outcome == "not captured"
 

@@ -33,11 +33,11 @@ def outcome_of_body(
     scene : Scene
         Scene of the run.
     nearby : float
-        Largest distance of a captured body from its pose of rest, m, with angles times its radius
-        (`Rest.distances`).
+        Without thermal motion, largest distance of a captured body from its pose of rest, m, with
+        angles times its radius (`Rest.distances`).
     reach : float
-        Largest distance of the last position from the equilibrium, m; with thermal motion, of the
-        mean position over the last tenth of the run.
+        With thermal motion, largest distance of the mean position over the last tenth of the run
+        from the pose of rest, and the distance at which the body is captured first, m.
     """
     times, position, orientation = run["time"], run["position"], run["orientation"]
     brownian, end = scene.forces.brownian, float(times[-1])
@@ -52,7 +52,7 @@ def outcome_of_body(
     if place is None or not place.stable:
         return free
     rest = search.rest(place)
-    away = rest.distances(position, orientation) > nearby
+    away = rest.distances(position, orientation) > (reach if brownian else nearby)
     if brownian:
         aside = np.linalg.norm(settled - rest.position) > reach
         pulled = functools.partial(search.force_at, rest.orientation)
