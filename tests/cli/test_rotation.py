@@ -82,7 +82,10 @@ def test_samples_too_rare_are_refused_with_the_option(spinning, command_line, tm
     [
         (["nothing.nc"], "nothing.nc: no such file"),
         (["spinning.nc", "--axis", "0", "0", "0"], "axis = (0.0, 0.0, 0.0): must be 3 numbers"),
-        (["spinning.nc", "--skip", "1 s"], "contains 0 samples after skip = 1 s"),
+        (
+            ["spinning.nc", "--skip", "1 s"],
+            "spinning.nc: contains fewer than 2 samples after skip = 1 s",
+        ),
         (["spinning.nc", "--skip", "-1 s"], "--skip"),
         (["spinning.nc", "--segments", "0"], "segments = 0: must be a whole number of at least 1"),
     ],

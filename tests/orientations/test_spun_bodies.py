@@ -130,6 +130,36 @@ def test_spinning_rod_with_thermal_motion(thermal):
     assert upright.director[2] == pytest.approx(1, abs=0.01)
 
 
+def test_order_of_a_rod_is_that_of_its_stiffness(thermal):
+    """Small tilts of a linear trap: <P2> = 1 - 3/2 kT tr(K^-1), over both tilts."""
+    scene, rods = thermal
+    found = tweezer.rotation(rods, skip="2 ms")
+    across = [0, 1, 3, 4]  # x, y and the angles about them
+    jacobian = tweezer.optical_jacobian(scene, scene.start.position, UPRIGHT)
+    compliance = np.linalg.inv(-jacobian[np.ix_(across, across)])
+    kT = Boltzmann * scene.medium.temperature
+    off = 1.5 * kT * (compliance[2, 2] + compliance[3, 3])
+    assert 1 - float(found.order_parameter) == pytest.approx(
+        off, abs=0.03 * off + FAR * float(found.order_parameter_error)
+    )
+    assert float(found.order_parameter_error) < 0.02 * off
+
+
+def test_rate_is_the_mean_of_the_angular_velocity():
+    """With inertia, the angular velocity of the run is stored."""
+    run = tweezer.simulate(
+        DISC.replace(
+            start={"position": [0, 0, height(DISC, ON_EDGE)], "orientation": ON_EDGE},
+            simulation={"model": "full", "duration": "10 ms", "samples": 2001},
+        )
+    )
+    found = tweezer.rotation(run, skip="1 ms")
+    stored = run.angular_velocity.sel(time=slice(1e-3 - 1e-9, None)).values
+    mean = (stored[1:] + stored[:-1]).mean(axis=0) / 2
+    np.testing.assert_allclose(found.rate_body, mean, rtol=1e-6, atol=1e-4)
+    assert np.linalg.norm(mean) > 100
+
+
 def test_run_and_store_are_read_from_files(thermal, tmp_path):
     _, rods = thermal
     one = rods.isel(trajectory=0)

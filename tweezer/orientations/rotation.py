@@ -120,14 +120,17 @@ def rotation(
     >>> bool(found.order_parameter > 0.999)  # the rod stays along the light
     True
     """
-    source = load_result(Path(run)) if isinstance(run, str | Path) else run
+    source, name = (
+        (load_result(Path(run)), f"{run}") if isinstance(run, str | Path) else (run, "run")
+    )
     n = numbers_in_si("axis", axis, "1")
     if n.shape != (3,) or not np.isfinite(n).all() or not n.any():
         raise ResultError(f"axis = {axis!r}: must be 3 numbers that are not all 0")
     if isinstance(segments, bool) or not isinstance(segments, int) or segments < 1:
         raise ResultError(f"segments = {segments!r}: must be a whole number of at least 1")
     n = n / np.linalg.norm(n)
-    samples = Samples.of(source, in_si("skip", skip, "s", 0.0, error=ResultError))
+    begin = in_si("skip", skip, "s", 0.0, error=ResultError)
+    samples = Samples.of(source, name, begin)
     wanted = samples.default_lags() if lags is None else samples.lags_at(lags)
     spectrum = Spectrum(samples.number, samples.step, segments)
     groups: list[dict[str, list[Parts]]] = []

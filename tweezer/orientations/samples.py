@@ -40,21 +40,22 @@ class Samples:
     """sampling interval, s"""
 
     @classmethod
-    def of(cls, source: xr.Dataset, skip: float) -> Self:
+    def of(cls, source: xr.Dataset, name: str, skip: float) -> Self:
         """Return the orientations of a result from `skip`, s, after its first sample.
 
-        Raises `ResultError` if there are none, or fewer than two at equal intervals.
+        `name` is that of the result in messages. Raises `ResultError` if there are none, or fewer
+        than two at equal intervals.
         """
         if not {"orientation", "time"} <= {*getattr(source, "variables", ())}:
             raise ResultError(
-                "contains no orientation over time; must be a run, or trajectories of an ensemble, "
-                "of a body that rotates"
+                f"{name}: contains no orientation over time; must be a run, or trajectories of an "
+                "ensemble, of a body that rotates"
             )
         orientation, time = source["orientation"], source["time"].values
-        over = {*map(str, orientation.dims)}
-        if not {"time", "euler_parameter"} <= over <= {"trajectory", "time", "euler_parameter"}:
+        over = [*map(str, orientation.dims)]
+        if {*over} | {"trajectory"} != {"trajectory", "time", "euler_parameter"}:
             raise ResultError(
-                f"orientation is over ({', '.join(map(str, orientation.dims))}); must be over "
+                f"{name}: orientation is over ({', '.join(over)}); must be over "
                 "(time, euler_parameter) or (trajectory, time, euler_parameter)"
             )
         if orientation.sizes["euler_parameter"] != EULER:
@@ -64,7 +65,7 @@ class Samples:
         kept = np.flatnonzero(time - time[:1] >= skip * (1 - _ROUNDING))
         if len(kept) < 2:
             after = f" after skip = {skip:g} s" if skip else ""
-            raise ResultError(f"contains {len(kept)} samples{after}; at least 2 are required")
+            raise ResultError(f"{name}: contains fewer than 2 samples{after}")
         intervals = np.diff(time[kept])
         step = float(intervals[0])
         # a run that ends with an event has its last sample there
