@@ -265,6 +265,13 @@ def test_trajectories_are_processed_in_groups(free, monkeypatch):
     xr.testing.assert_allclose(tweezer.rotation(free), whole, rtol=1e-9, atol=1e-12)
 
 
+def test_single_trajectory_is_analysed_as_a_run(free):
+    """Its errors follow from blocks of time."""
+    found = tweezer.rotation(free.isel(trajectory=slice(1)))
+    assert found.identical(tweezer.rotation(free.isel(trajectory=0)))
+    assert (found.rate_error > 0).all()
+
+
 def test_start_is_skipped_and_a_last_sample_of_an_event_is_excluded():
     run = spinning([0, 0, 5.0], 101, 0.01)
     run.orientation[:30] = run.orientation[-1] = [1, 0, 0, 0]
@@ -307,6 +314,7 @@ RUN = spinning([0, 0, 5.0], 100, 0.01)
         ({"orientation": [1, 0, 0, 0]}, {}, "run: contains no orientation over time; must be"),
         (RUN.orientation, {}, "run: contains no orientation over time; must be"),
         (RUN.isel(time=0), {}, "orientation is over (euler_parameter); must be over"),
+        (RUN.expand_dims(trajectory=0), {}, "run: contains no trajectory"),
         (RUN.isel(time=[3]), {}, "run: contains fewer than 2 samples"),
         (RUN.isel(time=[]), {}, "run: contains fewer than 2 samples"),
         (RUN, {"skip": 0.99}, "contains fewer than 2 samples after skip = 0.99 s"),

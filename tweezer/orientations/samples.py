@@ -60,6 +60,11 @@ class Samples:
             )
         if orientation.sizes["euler_parameter"] != EULER:
             raise ResultError("orientation: must have 4 Euler parameters, scalar first")
+        trajectories = orientation.sizes.get("trajectory")
+        if trajectories == 0:
+            raise ResultError(f"{name}: contains no trajectory")
+        if trajectories == 1:
+            orientation = orientation.isel(trajectory=0)
         if not (np.diff(time) > 0).all():
             raise ResultError("time: must increase from sample to sample")
         kept = np.flatnonzero(time - time[:1] >= skip * (1 - _ROUNDING))
