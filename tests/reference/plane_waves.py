@@ -45,6 +45,10 @@ class Light:
     """l of a factor exp(i l phi) over the pupil"""
     cover: tuple[float, float] | None = None
     """refractive index before a plane face, and the depth of the nominal focus behind it, m"""
+    factor: Callable | None = None
+    """complex factor of the angle before the face and the azimuth, (n, 1) and (m,): (n, m)"""
+    uneven: int = 0
+    """number of azimuthal orders and of radial degrees that the factor adds"""
 
     @property
     def k(self):
@@ -75,6 +79,10 @@ class Light:
         Unpolarised light is the mean of two states, other light is one state.
         """
         pupil = np.exp(1j * self.vortex * phi)
+        if self.factor is not None:
+            index = self.medium if self.cover is None else self.cover[0]
+            before = np.arcsin(np.sin(theta) * self.medium / index)
+            pupil = pupil * self.factor(before[:, None], phi)
         states = {
             "unpolarised": [(1, 0), (0, 1)],
             "radial": [(np.cos(phi), np.sin(phi))],
@@ -82,8 +90,8 @@ class Light:
         }
         g = [
             (
-                np.multiply.outer(p, (a * np.cos(phi) + b * np.sin(phi)) * pupil),
-                np.multiply.outer(s, (b * np.cos(phi) - a * np.sin(phi)) * pupil),
+                p[:, None] * (a * np.cos(phi) + b * np.sin(phi)) * pupil,
+                s[:, None] * (b * np.cos(phi) - a * np.sin(phi)) * pupil,
             )
             for a, b in states.get(self.polarisation, [self.polarisation])
             for p, s in [self.profile(theta)]
@@ -221,8 +229,8 @@ def push(light, sphere, place, finer=1.0):
     depth = 0 if light.cover is None else light.cover[1] * abs(light.cover[0] - light.medium)
     phase = light.k * (light.widest * (sphere.radius + np.linalg.norm(r, axis=1).max()) + depth)
     across = light.k * math.sin(light.widest) * np.hypot(r[:, 0], r[:, 1]).max()
-    bands = across + 5 * across ** (1 / 3) + 8 + abs(light.vortex)
-    theta, weight = light.nodes(int(finer * (phase / 2 + 4 * phase ** (1 / 3) + 16)))
+    bands = across + 5 * across ** (1 / 3) + 8 + abs(light.vortex) + light.uneven
+    theta, weight = light.nodes(int(finer * (phase / 2 + 4 * phase ** (1 / 3) + 16 + light.uneven)))
     turns = int(finer * (len(a) + max(len(a), bands) + 6))
     phi = 2 * math.pi * np.arange(turns) / turns
     weight = weight * 2 * math.pi / turns

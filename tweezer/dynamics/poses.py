@@ -189,7 +189,7 @@ class PoseSearch:
         self.body = t_matrix(scene)
         self.length = self.body.radius
         self.time = time
-        self.foci = _foci_of(self.light, time)
+        self.foci = np.unique(self.light.foci(time), axis=0)
         self.axes = self.body.axes_of_revolution
         self.around = _same_all_around(self.light, time)
         self._resistance = _resistance(scene, self.length)
@@ -443,13 +443,6 @@ class PoseSearch:
             return r, axis
         directions = np.array([axis @ z, axis @ r, axis @ np.cross(z, r)])
         return np.array([math.hypot(r[0], r[1]), r[2]]), directions
-
-
-def _foci_of(light: LightForce | Beams, time: float) -> Array:
-    """Return the different foci of the beams at a time, s, (n, 3) m."""
-    if isinstance(light, Beams):
-        return np.unique([moved.place.at(time) for moved in light.forces], axis=0)
-    return np.zeros((1, 3))
 
 
 def _same_all_around(light: LightForce | Beams, time: float) -> bool:

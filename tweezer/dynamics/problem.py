@@ -280,9 +280,7 @@ class Problem:
 
     def foci(self, time: float = 0.0) -> Array:
         """Return the positions of the beams' foci at a time, s, (beams, 3) m."""
-        if not isinstance(self.light, Beams):
-            return np.zeros((1, 3))
-        return np.array([each.place.at(time) for each in self.light.forces])
+        return self.light.foci(time)
 
     def equilibria(self, net_force: NetForce) -> tuple[Equilibrium, ...]:
         """Return the positions where a net force vanishes.

@@ -384,6 +384,11 @@ def _scale(lens: Lens, medium: Medium) -> float:
     return lens.radius * _index(lens, medium) / lens.numerical_aperture
 
 
+def relative_radius(scene: Scene) -> float:
+    """Return the pupil radius over R of a ray, over tan(theta) or sin(theta) of the lens map."""
+    return _scale(scene.lens, scene.medium) / scene.lens.radius
+
+
 def _index(lens: Lens, medium: Medium) -> float:
     """Return the refractive index behind the lens: of the cover if there is one, or the medium."""
     return (lens.cover or medium).refractive_index

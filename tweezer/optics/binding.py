@@ -19,6 +19,7 @@ from tweezer.optics.worth import ray_optics_warning
 from tweezer.scene import Scene
 from tweezer.scene.choices import THEORIES, at, evaluator
 from tweezer.scene.sections import Beam
+from tweezer.scene.theory import NO_MAP_OF_ABERRATIONS
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError, warn
 
@@ -71,6 +72,16 @@ class Beams(Sum):
                 for each, moved in zip(every, self.forces, strict=True)
             ),
         )
+
+    def foci(self, time: float = 0.0) -> Array:
+        """Return the position about which each beam is brightest at a time, s, (beams, 3) m."""
+        turned = [
+            np.array([1.0, -1.0, -1.0] if each.down else [1.0, 1.0, 1.0]) for each in self.forces
+        ]
+        return np.array([
+            moved.place.at(time) + way * each.light.centre
+            for moved, each, way in zip(self.forces, self.lights, turned, strict=True)
+        ])  # fmt: skip
 
     def absorbed_power(self, positions: Array, time: float = 0.0) -> Array:
         """Power of the light that the bead absorbs at `positions` (n, 3) m at a time, s, (n,) W."""
@@ -202,10 +213,10 @@ def force_map(scene: Scene, progress: Progress | None = None) -> Table:
     needs the same table waits for the first. One table serves every power of the light, and all
     scenes that differ only in scale; with wave optics the wavelength is scaled too.
 
-    Raises `SceneError` for a scene without light, for a bead that is not a sphere, or for linear
-    polarisation of rays. Warns (`PhysicsWarning`) if the tolerance is not reached;
-    `Table.certified_error` is the actual bound. Also warns if the file is damaged, and is then
-    computed again, or if it cannot be written.
+    Raises `SceneError` for a scene without light, for a bead that is not a sphere, for linear
+    polarisation of rays, or for aberrations that differ around the pupil. Warns (`PhysicsWarning`)
+    if the tolerance is not reached; `Table.certified_error` is the actual bound. Also warns if the
+    file is damaged, and is then computed again, or if it cannot be written.
     """
     if scene.more_beams:
         raise SceneError("beam: a map requires a single beam; a run computes the map of each beam")
@@ -213,6 +224,8 @@ def force_map(scene: Scene, progress: Progress | None = None) -> Table:
         raise SceneError("optics.evaluator = 'map': requires light, but the scene is dark")
     if scene.bead.shape != "sphere":
         raise SceneError(f"bead.shape = {scene.bead.shape!r}: {_NO_MAP}")
+    if not all(beam.even for beam in scene.beams):
+        raise SceneError(NO_MAP_OF_ABERRATIONS)
     made: Table = at(THEORIES[scene.theory].map)(scene, progress)
     return made
 

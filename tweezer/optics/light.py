@@ -65,6 +65,11 @@ class Light(ABC):
     def box(self) -> Box:
         """Box in which rings and positions off the axis are searched."""
 
+    @property
+    def centre(self) -> Array:
+        """Approximate position of the brightest light from the nominal focus, (3,) m."""
+        return np.zeros(3)
+
     def of_radius(self, radius: float) -> Self:
         """Return this light with the sphere scaled to another radius, m."""
         return dataclasses.replace(self, radius=radius)
@@ -137,6 +142,10 @@ class LightForce(Force):
     def symmetric(self) -> bool:
         """Whether the force is the same all around the axis of the light."""
         return self.light.symmetric
+
+    def foci(self, time: float = 0.0) -> Array:  # noqa: ARG002
+        """Return the position about which light is brightest, (1, 3) m; see `Beams.foci`."""
+        return self.light.centre[None]
 
     @functools.cached_property
     def _parts(self) -> dict[bool, Part]:

@@ -72,10 +72,13 @@ class Description(Section):
 
     @property
     def plain(self) -> bool:
-        """Whether there is only one beam, along +z through the origin, constant in time."""
+        """Whether there is only one beam, along +z through the origin, constant in time, whose
+        pupil is the same after half a turn.
+        """
         beam = self.beam
         still = beam.motion is None and beam.modulation is None
-        return not self.more_beams and still and beam.direction == "up" and not any(beam.position)
+        central = beam.direction == "up" and not any(beam.position) and beam.even
+        return not self.more_beams and still and central
 
     @property
     def light_moves(self) -> bool:
@@ -91,7 +94,8 @@ class Description(Section):
     def allows(self, by: Evaluator) -> bool:
         """Return whether the light has the symmetry that an evaluator requires."""
         linear = any(beam.polarisation == "linear" for beam in self.beams)
-        return not (self.theory in by.symmetric and linear)
+        uneven = by.name == "map" and not all(beam.even for beam in self.beams)
+        return not (self.theory in by.symmetric and linear) and not uneven
 
     @property
     def start_position(self) -> tuple[float, float, float]:

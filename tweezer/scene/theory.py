@@ -25,6 +25,12 @@ NO_MAP = (
     "beam.polarisation: 'averaged-reflectance', 'circular' or 'unpolarised'"
 )
 
+#: Message for light that has no force map, because its phase differs around the pupil
+NO_MAP_OF_ABERRATIONS = (
+    "optics.evaluator = 'map': requires light whose phase is the same all around the pupil, but "
+    "beam.aberration has terms with m not 0; allowed: auto, quadrature"
+)
+
 
 class Choice(NamedTuple):
     """Theory of light with which a scene is computed, and the reason."""
@@ -137,6 +143,8 @@ def _beyond_rays(bead: Bead, lens: Lens, beams: Sequence[Beam]) -> Iterator[str]
     if lens.cover is not None:
         yield "lens.cover"
     for name, beam in named_beams(beams):
+        if beam.wavefront:
+            yield f"{name}.aberration"
         if beam.vortex:
             yield f"{name}.vortex = {beam.vortex}"
         if _about_the_axis(beam):

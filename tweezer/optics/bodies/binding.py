@@ -69,7 +69,7 @@ class _Bound:
     @functools.cached_property
     def nodes(self) -> Nodes:
         """Nodes over the cone of light."""
-        return Nodes(self.light.focus, self.light.odd, self.small)
+        return Nodes(self.light.focus, self.light.kinds, self.small)
 
     @functools.cached_property
     def states(self) -> tuple[State, ...]:

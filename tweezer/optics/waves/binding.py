@@ -79,7 +79,7 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
     stride = -(-(needed + 2) // LANES) * LANES
     highest = stride - 1
     a, b = (np.pad(each, (0, stride))[: highest - 1] for each in (a, b))
-    nodes = Nodes(light.focus, light.odd, small)
+    nodes = Nodes(light.focus, light.kinds, small)
     data = packed(
         light.strength * UNIT, light.strength, tolerance, nodes.error * light.strength,
         of_states(light.states), guarded_elements(np.stack(elements(highest))),
@@ -136,9 +136,11 @@ def source(
         axis=1,
     )
     half_angle = light.focus.half_angle
+    # waves of one order m come from several harmonics, by Bessel functions of several orders
+    dropped = small if light.pupil is not None else math.sqrt(small)
     return (
         light.wavenumber, shift, light.radius, half_angle, math.sin(half_angle),
-        np.array(nodes.variable.phases), math.sqrt(small), of_rules, of_nodes,
+        np.array(nodes.variable.phases), dropped, of_rules, of_nodes,
         np.concatenate(tables),
         np.array([
             (part.helicity, part.angular_momentum, part.coefficient.real, part.coefficient.imag)
@@ -173,7 +175,7 @@ def _of_nodes(focus: Focus, rule: Rule, shift: float, parts: list[Part], many: i
     turned = rule.weight * np.exp(-1j * shift * below)
     rows = [below, np.sqrt(below * (2 - below))]
     for part in parts:
-        light = part.amplitude(along, across) * turned
+        light = part.amplitude(along, across) * turned * focus.harmonic(part.order, below)
         rows += [light.real, light.imag]
     return np.pad(np.stack(rows), ((0, 0), (0, many - len(below))))
 

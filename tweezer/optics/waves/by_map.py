@@ -27,7 +27,7 @@ _SOURCES = sources(
         f"optics.waves.{name}"
         for name in (
             "binding", "by_map", "by_quadrature", "focus", "harmonics", "kernel", "lattice",
-            "light", "nodes", "partial_waves", "sphere",
+            "light", "nodes", "partial_waves", "pupil", "sphere",
         )
     ),
 )  # fmt: skip
@@ -82,7 +82,8 @@ def _stored(
     reach = of_bead.wavenumber * scene.table_reach
     shells = [(of_bead.wavenumber * outer, index) for outer, index in of_bead.shells]
     key = table.key(
-        _SOURCES, of_bead.cone, of_bead.cone.half_angle, of_bead.states, of_bead.face, shells,
+        _SOURCES, of_bead.cone, of_bead.cone.half_angle, of_bead.states, of_bead.face,
+        of_bead.pupil, shells,
         tolerance, reach,
     )  # fmt: skip
     make = functools.partial(_made, of_bead, tolerance, reach, progress)

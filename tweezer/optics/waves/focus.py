@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from tweezer.generated import waves
 from tweezer.optics.beam import Cone, behind_face
+from tweezer.optics.waves.pupil import Pupil
 from tweezer.values.arrays import Array
 
 ComplexArray = NDArray[np.complex128]
@@ -40,6 +41,16 @@ class Part(NamedTuple):
     """share of the light along e_theta in its amplitude"""
     phi: complex
     """share of the light along e_phi in its amplitude"""
+    order: int = 0
+    """harmonic of the pupil's factor that its amplitude contains"""
+
+    @property
+    def odd(self) -> bool:
+        """Whether its integrand over the cone is odd in sin(theta), apart from the amplitude.
+
+        Bessel functions and harmonics give it the parity of helicity + J_z.
+        """
+        return (self.helicity + self.angular_momentum) % 2 == 1
 
     def amplitude(self, theta: ComplexArray, phi: ComplexArray) -> ComplexArray:
         """Return the amplitude of this part of the light.
@@ -66,7 +77,9 @@ class State:
         return all(part.helicity > 0 for part in self.parts)
 
 
-def states(polarisation: str, jones: Array, vortex: int, *, face: bool) -> tuple[State, ...]:
+def states(
+    polarisation: str, jones: Array, vortex: int, *, face: bool, orders: tuple[int, ...] = (0,)
+) -> tuple[State, ...]:
     """Return the polarised states whose forces add up to the force of the light in a pupil.
 
     Parameters
@@ -79,7 +92,17 @@ def states(polarisation: str, jones: Array, vortex: int, *, face: bool) -> tuple
         Vortex charge of the beam.
     face : bool
         Whether the light passes a plane face before the focus.
+    orders : tuple of int, optional
+        Harmonics of the pupil's factor. Default: of an even pupil.
     """
+    if orders != (0,):
+        return tuple(
+            State(each.weight, tuple(
+                part._replace(angular_momentum=part.angular_momentum + q, order=q)
+                for q in orders for part in each.parts
+            ))
+            for each in _unmirrored(polarisation, jones, vortex, face)
+        )  # fmt: skip
     if polarisation in ("radial", "azimuthal"):
         along, half = polarisation == "radial", math.sqrt(0.5)
         plus, minus = (
@@ -101,6 +124,22 @@ def states(polarisation: str, jones: Array, vortex: int, *, face: bool) -> tuple
     if vortex == 0:
         return _circular(0, face, 1.0, 0.0)
     return _circular(vortex, face, 0.5, 1.0) + _circular(-vortex, face, 0.5, -1.0)
+
+
+def _unmirrored(polarisation: str, jones: Array, vortex: int, face: bool) -> tuple[State, ...]:
+    """Return the states of the light, without mirror images: a pupil need not be its own image."""
+    if polarisation not in ("linear", "unpolarised"):
+        return states(polarisation, jones, vortex, face=face)
+    along_x_and_y = ((1.0, 0.0), (0.0, 1.0))
+    vectors = along_x_and_y if polarisation == "unpolarised" else ((
+        complex(*jones[:2]), complex(*jones[2:]),
+    ),)  # fmt: skip
+    found = []
+    for a, b in vectors:
+        both = ((1, (a - 1j * b) / math.sqrt(2)), (-1, (a + 1j * b) / math.sqrt(2)))
+        parts = (part for l, c in both for part in _parts(l, vortex, c, face))
+        found.append(State(1.0 / len(vectors), tuple(parts)))
+    return tuple(found)
 
 
 def _circular(vortex: int, face: bool, weight: float, handedness: float) -> tuple[State, ...]:
@@ -145,6 +184,8 @@ class Focus:
     """in front of the face"""
     face: Face | None = None
     """plane face between the lens and the focus; None without one"""
+    pupil: Pupil | None = None
+    """phase over the pupil; None if it is even"""
 
     @property
     def half_angle(self) -> float:
@@ -162,10 +203,22 @@ class Focus:
         if face is None:
             size = np.sqrt(cone.shape(below)).astype(np.complex128)
             return size, size
-        cosine = 1 - below
-        sine_squared = below * (1 + cosine) * (face.behind / face.before) ** 2
-        before = np.sqrt(np.maximum(1 - sine_squared, 0.0))
-        size = np.sqrt(cone.shape(sine_squared / (1 + before))).astype(np.complex128)
+        cosine, below = 1 - below, self._in_front(below)
+        before = 1 - below
+        size = np.sqrt(cone.shape(below)).astype(np.complex128)
         along, across = waves.cover_amplitudes.py_func(before, cosine, face.before, face.behind)
         size *= np.exp(1j * face.phase * (face.behind * cosine - face.before * before))
         return size * along, size * across
+
+    def harmonic(self, order: int, below: Array) -> ComplexArray:
+        """Return a harmonic of the pupil's factor at 1 - cos(theta) = `below`; 1 without one."""
+        if self.pupil is None:
+            return np.ones(len(below), np.complex128)
+        return self.pupil.harmonic(order, self._in_front(below))
+
+    def _in_front(self, below: Array) -> Array:
+        """Return 1 - cos(theta) in front of the face, of waves with `below` behind it."""
+        if self.face is None:
+            return below
+        squared = below * (2 - below) * (self.face.behind / self.face.before) ** 2
+        return np.asarray(squared / (1 + np.sqrt(np.maximum(1 - squared, 0.0))))

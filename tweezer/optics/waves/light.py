@@ -7,13 +7,17 @@ import functools
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from tweezer.forces.equilibria import Search
 from tweezer.forces.rings import Box
-from tweezer.optics.beam import cone
+from tweezer.optics.beam import cone, relative_radius
 from tweezer.optics.light import SPEED_OF_LIGHT, Light, jones_vector
 from tweezer.optics.waves.focus import Face, Focus, State, states
+from tweezer.optics.waves.pupil import Pupil
 from tweezer.scene import Scene
 from tweezer.scene.theory import FARTHEST_IN_WAVES
+from tweezer.values.arrays import Array
 
 #: Distance up to which the force is sampled evenly: so many radii plus so many wavelengths in the
 #: medium, as a small bead's trap reaches many radii
@@ -37,6 +41,8 @@ class Waves(Light):
     """the polarised parts of the light"""
     face: Face | None
     """a plane face before the focus"""
+    pupil: Pupil | None
+    """phase over the pupil; None if it is even"""
     shells: tuple[tuple[float, complex], ...]
     """outer radius, m, and index relative to the medium, from the core outwards"""
     absorbs: bool
@@ -53,13 +59,16 @@ class Waves(Light):
         return all(len({part.angular_momentum for part in each.parts}) == 1 for each in self.states)
 
     @property
-    def odd(self) -> bool:
-        """Whether integrands over the cone are odd in sin(theta), apart from the light's amplitude.
+    def kinds(self) -> frozenset[tuple[int, bool]]:
+        """Harmonic of the pupil of each part of the light, and whether the part is odd."""
+        return frozenset((part.order, part.odd) for each in self.states for part in each.parts)
 
-        Bessel functions and harmonics give the parity of helicity + J_z of a part of the light.
-        """
-        parts = [part for each in self.states for part in each.parts]
-        return any((part.helicity + part.angular_momentum) % 2 for part in parts)
+    @property
+    def centre(self) -> Array:
+        """See `Light.centre`."""
+        if self.pupil is None:
+            return np.zeros(3)
+        return np.array(self.pupil.centre) / self.wavenumber
 
     @property
     def farthest(self) -> float:
@@ -69,7 +78,7 @@ class Waves(Light):
     @functools.cached_property
     def focus(self) -> Focus:
         """Plane waves behind the lens."""
-        return Focus(self.cone, self.face)
+        return Focus(self.cone, self.face, self.pupil)
 
     @property
     def search(self) -> Search:
@@ -121,13 +130,24 @@ def waves_on_bead(scene: Scene) -> Waves:
     n_m, cover, beam = scene.medium.refractive_index, scene.lens.cover, scene.beam
     vacuum = 2 * math.pi / beam.wavelength
     face = None if cover is None else Face(cover.refractive_index, n_m, vacuum * cover.depth)
+    pupil = None
+    if beam.wavefront:
+        pupil = Pupil(beam.wavefront, scene.lens.map == "tan", relative_radius(scene))
+    orders = pupil.orders if pupil else (0,)
     return Waves(
         cone=cone(scene),
         momentum_per_energy=n_m / SPEED_OF_LIGHT,
         radius=scene.bead.radius,
         wavenumber=n_m * vacuum,
-        states=states(beam.polarisation, jones_vector(beam), beam.vortex, face=face is not None),
+        states=states(
+            beam.polarisation,
+            jones_vector(beam),
+            beam.vortex,
+            face=face is not None,
+            orders=orders,
+        ),
         face=face,
+        pupil=pupil,
         shells=tuple((outer, index / n_m) for outer, index in scene.bead.shells),
         absorbs=scene.bead.absorbs,
     )

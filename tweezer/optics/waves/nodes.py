@@ -94,8 +94,9 @@ class Nodes:
 
     focus: Focus
     """the plane waves of the cone"""
-    odd: bool
-    """whether the integrand, beside the light's amplitude, is odd in sin(theta)"""
+    kinds: frozenset[tuple[int, bool]]
+    """harmonic of the pupil of each part of the light, and whether the part is odd in sin(theta)
+    (`Part.odd`)"""
     wanted: float
     """wanted error of an integral, as a part of the integral of the light's amplitude"""
 
@@ -145,9 +146,12 @@ class Nodes:
         n = _MOST_DEGREES
         below, _ = variable.at(np.cos(np.pi * np.arange(n + 1) / n))
         along, across = self.focus.amplitudes(below)
-        values = np.stack([along, across]) * np.exp(-1j * self.shift * below)
-        if self.odd and not variable.of_angle:
-            values = values * np.sqrt(below * (2 - below))
+        light = np.stack([along, across]) * np.exp(-1j * self.shift * below)
+        sine = 1.0 if variable.of_angle else np.sqrt(below * (2 - below))
+        values = np.concatenate([
+            light * self.focus.harmonic(order, below) * (sine if odd else 1.0)
+            for order, odd in sorted(self.kinds)
+        ])  # fmt: skip
         rows = np.concatenate([values.real, values.imag])
         series = np.fft.rfft(np.concatenate([rows, rows[:, -2:0:-1]], axis=1)).real / n
         series[:, [0, -1]] /= 2
@@ -156,6 +160,8 @@ class Nodes:
         error = max(self.wanted, float(tail[_MOST_USED]))
         if error > _LARGEST_ERROR and variable.of_angle:
             cause = "beam.profile" if self.focus.face is None else "lens.cover.depth"
+            if self.focus.pupil is not None:
+                cause = "beam.aberration"
             raise SceneError(
                 f"{cause}: the light behind the lens is too uneven for wave optics; a series of "
                 f"degree {_MOST_USED} differs by {error:.2g} of its peak, allowed: "

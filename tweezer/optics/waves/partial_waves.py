@@ -54,8 +54,9 @@ class Source(NamedTuple):
     """(2,) largest phase over the cone for each 1/k that the bead is off across and along the
     light, rad"""
     dropped: float
-    """bound on the Bessel functions of the orders m that are left out, if the bead is in the light.
-    They enter squared; else the bound is its square"""
+    """bound on the Bessel functions of the orders that are left out, if the bead is in the light.
+    Orders m that are left out enter squared. If the bead is beside the light, the bound is its
+    square"""
     rules: Array
     """(rules, 5) numbers of each rule of integration, see NODES and so on"""
     nodes: Array

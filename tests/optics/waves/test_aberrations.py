@@ -1,0 +1,215 @@
+"""Light with aberrations, against plane waves and against shifts and turns of the light."""
+
+import math
+
+import numpy as np
+import pytest
+
+import tweezer
+from tests.reference.plane_waves import Light, Sphere, lens, push
+from tweezer import SceneError
+from tweezer.optics import light_force
+
+N_M, VACUUM, NA = 1.33, 1.064e-6, 1.2
+ANGLE = math.asin(NA / N_M)
+
+
+def _even():
+    """Return 1 W through an evenly lit pupil, on 1 um of silica."""
+    described = tweezer.load_scene("silica-1um").model_dump(exclude_none=True)
+    described["medium"] = {**described["medium"], "refractive_index": N_M}
+    described["lens"] = {"map": "sine", "numerical_aperture": NA, "radius": 2.5e-3}
+    described["beam"] = {
+        "wavelength": VACUUM, "profile": "uniform", "power_through_pupil": 1.0,
+        "polarisation": "linear",
+    }  # fmt: skip
+    described["optics"] = {"tolerance": 1e-11}
+    return tweezer.load_scene(described)
+
+
+EVEN = _even()
+PLACES = np.array([[0.2, -0.15, 0.25], [0.3, 0.35, -0.2], [0.75, -0.6, 0.5], [0, 0, 0.4]]) * 1e-6
+ONE = math.sqrt(0.5)
+
+
+def polynomial(n, m, rho, phi):
+    """Zernike term by the sum over powers of rho, with factorials."""
+    radial = sum(
+        (-1) ** k * math.factorial(n - k) * rho ** (n - 2 * k)
+        / (math.factorial(k) * math.factorial((n + abs(m)) // 2 - k)
+           * math.factorial((n - abs(m)) // 2 - k))
+        for k in range((n - abs(m)) // 2 + 1)
+    )  # fmt: skip
+    norm = math.sqrt((n + 1) * (2 if m else 1))
+    return norm * radial * (np.cos(m * phi) if m >= 0 else np.sin(-m * phi))
+
+
+def reference(terms, polarisation=(1, 0), vortex=0, cover=None, kind="sine"):
+    """Return the plane waves of an evenly lit pupil with these Zernike terms."""
+    index = N_M if cover is None else cover[0]
+    angle = math.asin(NA / index)
+
+    def factor(theta, phi):
+        of = np.sin if kind == "sine" else np.tan
+        rho = of(theta) / of(angle)
+        waves = sum(c * polynomial(n, m, rho, phi) for n, m, c in terms)
+        return np.exp(2j * math.pi * waves)
+
+    W = lens(angle, kind=kind)
+    uneven = int(30 + 80 * sum(abs(c) * n for n, _, c in terms))
+    return Light(N_M, VACUUM, angle, W, polarisation, vortex, cover, factor, uneven)
+
+
+CASES = {
+    "tilt": ([(1, 1, 0.3), (1, -1, -0.2)], {}, {}),
+    "defocus": ([(2, 0, 0.25)], {}, {}),
+    "astigmatism": ([(2, 2, 0.1), (2, -2, 0.05)], {}, {}),
+    "coma, circular": ([(3, 1, 0.15)], {"polarisation": (ONE, ONE * 1j)},
+                       {"polarisation": "circular"}),
+    "coma, other handedness": ([(3, 1, 0.1), (3, -1, 0.05)],
+                               {"polarisation": (ONE, -ONE * 1j)}, {"jones": [1, "-1j"]}),
+    "trefoil, elliptical": ([(3, 3, 0.1), (3, -3, 0.1)], {"polarisation": (0.6, 0.48 + 0.64j)},
+                            {"jones": [0.6, "0.48+0.64j"]}),
+    "spherical": ([(4, 0, 0.2)], {}, {}),
+    "unpolarised": ([(2, 2, 0.1), (3, -1, 0.1)], {"polarisation": "unpolarised"},
+                    {"polarisation": "unpolarised"}),
+    "strong astigmatism": ([(2, 2, 1.0)], {}, {}),
+    "vortex": ([(2, -2, 0.1)], {"vortex": 1}, {"vortex": 1}),
+    "behind a cover": ([(2, 2, 0.1), (3, 1, 0.05)], {"cover": (1.518, 5e-6)}, {}),
+    "tan map": ([(2, 2, 0.1), (3, -1, 0.1)], {"kind": "tan"}, {}),
+    "radial": ([(3, 1, 0.1)], {"polarisation": "radial"}, {"polarisation": "radial"}),
+}  # fmt: skip
+
+
+def scene_with(terms, changes):
+    beam = {"aberration": [list(term) for term in terms], **changes}
+    described = EVEN.model_dump(exclude_none=True)
+    described["beam"] = {**described["beam"], **beam}
+    if described["beam"]["polarisation"] != "linear":
+        del described["beam"]["jones"]
+    return tweezer.load_scene(described)
+
+
+def in_lens(scene, cover=None, kind="sine"):
+    """Return a scene with a cover glass or with the tan map."""
+    described = scene.model_dump(exclude_none=True)
+    if cover is not None:
+        described["lens"]["cover"] = {"refractive_index": cover[0], "depth": cover[1]}
+    if kind == "tan":
+        del described["lens"]["numerical_aperture"]
+        described["lens"] |= {"map": "tan", "focal_length": 2.5e-3 / math.tan(ANGLE)}
+    return tweezer.load_scene(described)
+
+
+@pytest.mark.parametrize(("terms", "light", "changes"), CASES.values(), ids=CASES.keys())
+def test_force_is_that_of_plane_waves(terms, light, changes):
+    """Within 1e-9 of the largest component; the stated error is not below the true one."""
+    how = {key: light[key] for key in ("cover", "kind") if key in light}
+    scene = in_lens(scene_with(terms, changes), **how)
+    expected = push(reference(terms, **light), Sphere(((0.5e-6, 1.45),)), PLACES).force
+    found = tweezer.optical_force(scene, PLACES)
+    largest = np.abs(expected).max()
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * largest)
+    stated = tweezer.optical_force_error(scene, PLACES)
+    assert (np.linalg.norm(found - expected, axis=1) <= stated + 1e-11 * largest).all()
+
+
+def test_tilt_moves_the_focus():
+    """With the sine map, a tilt of c waves is a shift by -2 c wavelengths over the aperture."""
+    tilted = scene_with([(1, 1, 0.2), (1, -1, 0.1)], {})
+    shift = np.array([-2 * 0.2, -2 * 0.1, 0]) * VACUUM / NA
+    expected = tweezer.optical_force(EVEN, PLACES)
+    found = tweezer.optical_force(tilted, PLACES + shift)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
+    held, there = (tweezer.characterise(each).equilibrium for each in (EVEN, tilted))
+    assert there.position == pytest.approx(np.array(held.position) + shift, abs=1e-13)
+
+
+def test_light_turned_about_the_axis_turns_the_force():
+    angle = 0.7
+    turned = np.array([
+        [math.cos(angle), -math.sin(angle), 0], [math.sin(angle), math.cos(angle), 0], [0, 0, 1],
+    ])  # fmt: skip
+    terms, polarisation = [(2, 2, 0.1), (3, 1, 0.1)], {"jones": [1, 0]}
+    new = [
+        each
+        for n, m, c in terms
+        for each in ((n, m, c * math.cos(m * angle)), (n, -m, c * math.sin(m * angle)))
+    ]
+    other = {"jones": [math.cos(angle), math.sin(angle)]}
+    here = tweezer.optical_force(scene_with(terms, polarisation), PLACES)
+    there = tweezer.optical_force(scene_with(new, other), PLACES @ turned.T)
+    np.testing.assert_allclose(there, here @ turned.T, rtol=0, atol=1e-11 * np.abs(here).max())
+
+
+def test_gradient_is_the_slope_of_the_force():
+    scene, step = scene_with([(3, 1, 0.1), (2, -2, 0.1)], {}), 1e-9
+    found = light_force(scene).field(PLACES[:1], gradient=True).force_gradient[0]
+    for axis in range(3):
+        moved = [PLACES[0] + sign * step * np.eye(3)[axis] for sign in (1, -1)]
+        slope = np.subtract(*tweezer.optical_force(scene, moved)) / (2 * step)
+        np.testing.assert_allclose(found[:, axis], slope, atol=1e-4 * np.abs(found).max())
+
+
+def test_body_that_is_a_sphere_feels_the_same_light():
+    aberrated = {"beam": {"aberration": [[3, 1, 0.1], [2, -2, 0.05]]}}
+    sphere = tweezer.load_scene("polystyrene-500nm").replace(**aberrated)
+    body = sphere.replace(bead={"shape": "spheroid", "length": "0.5 um"})
+    expected = tweezer.optical_force(sphere, PLACES)
+    found = tweezer.optical_force(body, PLACES, [1, 0, 0, 0])
+    np.testing.assert_allclose(found, expected, atol=1e-7 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(
+    ("order", "index", "indices"),
+    [
+        ("osa", 4, (2, 0)), ("osa", 7, (3, -1)), ("osa", 12, (4, 0)), ("osa", 5, (2, 2)),
+        ("noll", 4, (2, 0)), ("noll", 7, (3, -1)), ("noll", 11, (4, 0)), ("noll", 6, (2, 2)),
+        ("noll", 5, (2, -2)), ("noll", 9, (3, -3)),
+    ],
+)  # fmt: skip
+def test_indices_are_those_of_their_convention(order, index, indices):
+    """R. J. Noll, J. Opt. Soc. Am. 66, 207 (1976), table I; ANSI Z80.28."""
+    beam = EVEN.replace(beam={"aberration": [[index, 0.1]], "aberration_order": order}).beam
+    assert beam.wavefront == ((*indices, 0.1),)
+
+
+@pytest.mark.parametrize(
+    ("beam", "said"),
+    [
+        ({"aberration": [[2, 1, 0.1]]}, "n - m even"),
+        ({"aberration": [[2, 4, 0.1]]}, r"\|m\| must be at most n"),
+        ({"aberration": [[2.5, 0, 0.1]]}, "whole numbers"),
+        ({"aberration": [[42, 0, 0.1]]}, "n must be at most 40"),
+        ({"aberration": [[2, 2, 6]]}, "at most 5 waves"),
+        ({"aberration": [[2, 2, float("nan")]]}, "aberration"),
+        ({"aberration": [[4, 0.1]]}, "aberration_order: missing"),
+        ({"aberration": [[4, 0, 0.1]], "aberration_order": "noll"}, "applies to terms"),
+        ({"aberration": [[0, 0.1]], "aberration_order": "noll"}, "at least 1"),
+        ({"aberration": [[2, 2, 0.1], [4, 0.1]], "aberration_order": "osa"}, "applies to terms"),
+        ({"aberration": []}, "1 to 500"),
+        ({"aberration": "astigmatism"}, "aberration"),
+        ({"aberration_order": "osa"}, "applies to terms"),
+    ],
+)
+def test_wrong_aberrations_are_refused_in_one_line(beam, said):
+    with pytest.raises(SceneError, match=said) as refusal:
+        EVEN.replace(beam=beam)
+    assert "\n" not in str(refusal.value)
+
+
+def test_rays_and_maps_refuse_aberrations():
+    with pytest.raises(SceneError, match=r"beam\.aberration requires wave optics"):
+        EVEN.replace(beam={"aberration": [[4, 0, 0.1]]}, optics={"theory": "rays"})
+    with pytest.raises(SceneError, match="requires light whose phase is the same all around"):
+        EVEN.replace(beam={"aberration": [[2, 2, 0.1]]}, optics={"evaluator": "map"})
+
+
+def test_map_of_spherical_aberration_is_the_force():
+    scene = tweezer.load_scene("silica-1um").replace(
+        beam={"aberration": [[4, 0, 0.1]]}, optics={"tolerance": 1e-10}
+    )
+    mapped = scene.replace(optics={"evaluator": "map"})
+    expected = tweezer.optical_force(scene, PLACES)
+    found = tweezer.optical_force(mapped, PLACES)
+    np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())

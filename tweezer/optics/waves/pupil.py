@@ -1,0 +1,116 @@
+"""Phase of the light over the pupil, as azimuthal harmonics of its complex factor T(rho, phi).
+
+rho is the distance from the axis over the pupil's radius R, and phi the azimuth of the plane wave
+that comes from there. An aberration gives the light the factor
+
+    T = exp(2 pi i sum_nm c_nm Z_n^m(rho, phi)) = sum_q t_q(rho) exp(i q phi).
+
+A harmonic q adds q to the angular momentum of the light about the axis, so each is a part of the
+light of its own. t_q(rho) is rho^|q| times an even function of rho.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.scene.sections.pupil import Zernike
+from tweezer.values.arrays import Array
+from tweezer.values.errors import SceneError
+
+ComplexArray = NDArray[np.complex128]
+
+#: Harmonics below this part of the light's amplitude are left out
+_NONE = 1e-13
+#: Numbers of azimuths at which T is sampled, and of radii at which its harmonics are compared
+_FEWEST_AZIMUTHS, _MOST_AZIMUTHS, _RADII = 32, 4096, 129
+
+
+@dataclass(frozen=True)
+class Pupil:
+    """Phase of the light over the pupil."""
+
+    wavefront: tuple[Zernike, ...]
+    """terms of the phase, with amounts in waves"""
+    tangent: bool
+    """whether rho is proportional to tan(theta), as in the tan map, or to sin(theta)"""
+    scale: float
+    """rho over tan(theta) or sin(theta)"""
+
+    def radius(self, below: Array) -> Array:
+        """Return rho at 1 - cos(theta) = `below`, where theta is the angle behind the lens."""
+        sine = np.sqrt(below * (2 - below))
+        return np.minimum(self.scale * (sine / (1 - below) if self.tangent else sine), 1.0)
+
+    def factor(self, rho: Array, phi: Array) -> ComplexArray:
+        """Return T at radii (n,) and azimuths (m,), rad: (n, m)."""
+        waves = np.zeros((len(rho), len(phi)))
+        for term in self.wavefront:
+            turning = np.cos(term.m * phi) if term.m >= 0 else np.sin(-term.m * phi)
+            waves += term.amount * zernike_radial(term.n, abs(term.m), rho)[:, None] * turning
+        return np.asarray(np.exp(2j * math.pi * waves))
+
+    @functools.cached_property
+    def orders(self) -> tuple[int, ...]:
+        """Orders q of the harmonics that count, in ascending order.
+
+        Raises `SceneError` if they are too many.
+        """
+        rho = np.linspace(0.0, 1.0, _RADII)
+        count = self._azimuths
+        sizes = np.abs(self._transformed(rho, count)).max(axis=0)
+        orders = np.fft.fftfreq(count, 1 / count).astype(int)
+        return tuple(sorted(orders[sizes > _NONE].tolist()))
+
+    @functools.cached_property
+    def _azimuths(self) -> int:
+        """Number of azimuths that resolves T: the highest harmonics are then rounding."""
+        rho = np.linspace(0.0, 1.0, _RADII)
+        count = _FEWEST_AZIMUTHS
+        while count <= _MOST_AZIMUTHS:
+            sizes = np.abs(self._transformed(rho, count)).max(axis=0)
+            if sizes[count // 4 : count - count // 4 + 1].max() < _NONE:
+                return count
+            count *= 2
+        raise SceneError(
+            f"beam.aberration: needs more than {_MOST_AZIMUTHS // 4} azimuthal harmonics; reduce "
+            "the amounts"
+        )
+
+    def _transformed(self, rho: Array, count: int) -> ComplexArray:
+        """Return the harmonics t_q, (n, count), at radii (n,) in the order of `numpy.fft`."""
+        phi = 2 * math.pi * np.arange(count) / count
+        return np.asarray(np.fft.fft(self.factor(rho, phi), axis=1) / count)
+
+    def harmonic(self, order: int, below: Array) -> ComplexArray:
+        """Return t_q of the order q at 1 - cos(theta) = `below`."""
+        return self._transformed(self.radius(below), self._azimuths)[:, order]
+
+    @property
+    def centre(self) -> tuple[float, float, float]:
+        """Position of the focus, in 1/k of the medium before a cover, to the first order of tilt
+        and defocus.
+
+        It is where the phase k s.r cancels the terms in rho cos(phi), rho sin(phi) and rho^2, for
+        the sine of the outermost wave.
+        """
+        amounts = {(each.n, each.m): 2 * math.pi * each.amount for each in self.wavefront}
+        sine = 1 / math.hypot(self.scale, 1.0) if self.tangent else 1 / self.scale
+        x, y = (-2 * amounts.get((1, m), 0.0) / sine for m in (1, -1))
+        return x, y, 4 * math.sqrt(3) * amounts.get((2, 0), 0.0) / sine**2
+
+
+def zernike_radial(n: int, m: int, rho: Array) -> Array:
+    """Return N R_n^m(rho), m >= 0, of which the term has a root mean square of 1 over the pupil.
+
+    R_n^m = rho^m P_k^(0, m)(2 rho^2 - 1), k = (n - m)/2, in Jacobi polynomials, and
+    N^2 = (n + 1) (2 - delta_m0).
+    """
+    from scipy.special import eval_jacobi
+
+    norm = math.sqrt((n + 1) * (2 if m else 1))
+    return np.asarray(norm * rho**m * eval_jacobi((n - m) // 2, 0, m, 2 * rho**2 - 1))
