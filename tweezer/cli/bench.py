@@ -77,7 +77,7 @@ _add_benchmark(
 
 _add_benchmark(
     "rods", "rods_report",
-    "Thermal motion of rods: hops, flips and distributions. In exact light; rotation alone.",
+    "Hops, flips and distributions of rods. In exact light; rotation alone.",
 )  # fmt: skip
 
 
