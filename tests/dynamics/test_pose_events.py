@@ -116,3 +116,29 @@ def test_events_of_poses_refuse_what_they_cannot_use():
         tweezer.capture("1 um", "1 ms", direction=(1, 0, 0), axis=(1, 0))
     with pytest.raises(SceneError, match="angle"):
         tweezer.flip(angle="90 deg")
+
+
+@pytest.mark.parametrize(
+    ("key", "given"),
+    [
+        ("radius", {"radius": "-1 um"}),
+        ("radius", {"radius": 0}),
+        ("time", {"time": "-1 ms"}),
+        ("time", {"time": 0}),
+        ("centre", {"centre": (0, 0)}),
+        ("centre", {"centre": (0, 0, math.nan)}),
+        ("angle: requires direction", {"angle": "5 deg"}),
+        ("axis: requires direction", {"axis": (1, 0, 0)}),
+    ],
+)
+def test_capture_refuses_arguments_without_meaning(key, given):
+    with pytest.raises(SceneError, match=f"^{key}"):
+        tweezer.capture(**({"radius": "1 um", "time": "1 ms"} | given))
+
+
+@pytest.mark.filterwarnings("error")
+def test_length_of_a_direction_does_not_matter():
+    for length in (1e-200, 1e200):
+        event = tweezer.flip(direction=(0, 0, length), angle="60 deg")
+        pose = np.array([[0, 0, 0, 1.0, 0, 0, 0]])
+        assert event.value(np.zeros(1), pose) == pytest.approx(0.5)

@@ -15,6 +15,9 @@ from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
 from tweezer.values.units import QuantitiesLike, QuantityLike
 
+#: Allowed radii, m, and times, s, of a capture
+_DISTANCES, _TIMES = (1e-12, 1.0), (1e-15, 1e6)
+
 
 def capture(
     radius: QuantityLike,
@@ -22,8 +25,8 @@ def capture(
     centre: QuantitiesLike = (0.0, 0.0, 0.0),
     *,
     direction: QuantitiesLike | None = None,
-    angle: QuantityLike = "10 deg",
-    axis: QuantitiesLike = (0.0, 0.0, 1.0),
+    angle: QuantityLike | None = None,
+    axis: QuantitiesLike | None = None,
     terminal: bool = False,
 ) -> Event:
     """Return the event that the bead comes within `radius` of `centre` and stays there for `time`.
@@ -41,9 +44,10 @@ def capture(
     direction : array_like, shape (3,), optional
         Direction in the laboratory to which the axis must be parallel. Both ends of the axis count.
     angle : float or str, optional
-        Largest angle between the axis and `direction`, rad.
+        Largest angle between the axis and `direction`, rad. It requires `direction`. Default: 10
+        degrees.
     axis : array_like, shape (3,), optional
-        Axis in the body's frame. Default: its z axis.
+        Axis in the body's frame. It requires `direction`. Default: its z axis.
     terminal : bool, optional
         Whether the event ends the run, once the bead has stayed for `time`.
 
@@ -64,17 +68,23 @@ def capture(
     >>> run.status
     'ended'
     """
-    radius, time = in_si("radius", radius, "m"), in_si("time", time, "s")
+    radius = in_si("radius", radius, "m", *_DISTANCES)
+    time = in_si("time", time, "s", *_TIMES)
     place = numbers_in_si("centre", centre, "m", SceneError)
+    if place.shape != (3,) or not np.isfinite(place).all():
+        raise SceneError(f"centre = {centre}: must be three finite numbers in m")
 
     def outside(_: Array, y: Array) -> Array:
         """Return by how much the distance from `centre` exceeds `radius`, m."""
         return np.linalg.norm(y[:, POSITION] - place, axis=1) - radius
 
     if direction is None:
+        for name, given in (("angle", angle), ("axis", axis)):
+            if given is not None:
+                raise SceneError(f"{name}: requires direction")
         return Event("capture", outside, -1, terminal, once=True, hold=time)
-    along, own = _unit("direction", direction), _unit("axis", axis)
-    largest = in_si("angle", angle, "rad", 1e-6, math.pi / 2)
+    along, own = _unit("direction", direction), _unit("axis", (0, 0, 1) if axis is None else axis)
+    largest = in_si("angle", "10 deg" if angle is None else angle, "rad", 1e-6, math.pi / 2)
 
     def apart(times: Array, y: Array) -> Array:
         """Return the larger of the excess distance over `radius` and the excess angle over
@@ -181,7 +191,7 @@ def turned(poses: Array, axis: Array) -> Array:
 def _unit(name: str, vector: QuantitiesLike) -> Array:
     """Return a direction (3,) of length 1. Raises `SceneError` if it has no direction."""
     given = numbers_in_si(name, vector, "", SceneError)
-    length = float(np.linalg.norm(given))
-    if given.shape != (3,) or not (np.isfinite(length) and length > 0):
+    if given.shape != (3,) or not np.isfinite(given).all() or not given.any():
         raise SceneError(f"{name} = {vector}: must be three numbers that are not all zero")
-    return given / length
+    given = given / np.abs(given).max()  # so that no square overflows or vanishes
+    return np.asarray(given / np.linalg.norm(given))
