@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 import tweezer
 from tweezer import SceneError
 from tweezer.dynamics.poses import Rest
+from tweezer.forces import UserForce, kernel, number
 
 BASE = tweezer.load_scene("polystyrene-500nm")
 ROD = BASE.replace(
@@ -20,6 +21,13 @@ DISC = BASE.replace(
     bead={"shape": "spheroid", "diameter": "0.8 um", "length": "0.4 um"},
     beam={"polarisation": "circular"},
 )
+
+
+@kernel
+def push(pose, data, wrench):
+    """Add a constant force along x."""
+    for i in range(len(pose.position)):
+        wrench.force[i, 0] += number(data, 0)
 
 
 def axes_of(run):
@@ -128,6 +136,14 @@ def test_release_at_an_equilibrium_that_does_not_exist_is_refused():
     )
     with pytest.raises(SceneError, match=r"start\.drawn = 'equilibrium': requires a stable"):
         tweezer.simulate(dark)
+
+
+@pytest.mark.parametrize("drawn", ["equilibrium", "boltzmann"])
+def test_release_about_the_pose_without_own_forces_is_refused(drawn):
+    """The force would move the equilibrium, which is searched for light and weight alone."""
+    pushed = ROD.replace(forces={"brownian": True}, start={"drawn": drawn})
+    with pytest.raises(SceneError, match=rf"start\.drawn = '{drawn}': .* without forces of your"):
+        tweezer.simulate(pushed, forces=[UserForce(push, ("0.5 pN",))])
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -67,6 +67,10 @@ class Bound(Protocol):
         """Mobilities along the axes, s/kg, and about them, 1/(N m s), at the start, (6,)."""
 
     @property
+    def others(self) -> tuple[Force, ...]:
+        """Forces in addition to those of the scene."""
+
+    @property
     def rotates(self) -> bool:
         """Whether anything rotates the bead."""
 
@@ -311,6 +315,11 @@ NEEDS = (
     Need("simulation.method",
          lambda its: its.has("spring_only") and its.problem.equilibrium is None,
          _WITHOUT_TRAP, _HEUN),
+    Need("start.drawn",
+         lambda its: its.body and its.problem.scene.start.drawn in ("equilibrium", "boltzmann")
+         and bool(its.problem.others),
+         "determines the pose of a body that is not a sphere from light and weight alone, without "
+         "forces of your own", _set("start.drawn", "no")),
     Need("start.drawn",
          lambda its: its.problem.scene.start.drawn in ("equilibrium", "boltzmann")
          and its.problem.equilibrium is None and its.problem.pose is None,
