@@ -162,7 +162,7 @@ def test_distances_do_not_count_turns_that_change_nothing(seed):
 
     def rest(axes, around):
         e = here.as_quat(scalar_first=True)
-        return Rest(place, e, 2.0, np.reshape(axes, (-1, 3)), around)
+        return Rest(place, e, 2.0, np.reshape(axes, (-1, 3)), around, alike=True)
 
     assert distance(rest(axis, False), place, here * spin) == pytest.approx(0, abs=1e-7)
     assert distance(rest([], True), about.apply(place), about * here) == pytest.approx(0, abs=1e-7)
@@ -178,3 +178,14 @@ def test_distances_do_not_count_turns_that_change_nothing(seed):
     turned = Rotation.from_rotvec(angles[:, None] * z) * other * here.inv()
     least = 2 * np.hypot(0, turned.magnitude()).min()
     assert distance(rest([], True), place, other) == pytest.approx(least, abs=1e-5)
+
+
+def test_ends_that_differ_are_distinguished():
+    here = [1.0, 0, 0, 0]
+    over = np.array([[0, 1.0, 0, 0]])
+    axes = np.array([[0, 0, 1.0]])
+    for around in (False, True):
+        for alike, angle in ((True, 0.0), (False, math.pi)):
+            rest = Rest(np.zeros(3), here, 2.0, axes, around, alike)
+            distance = rest.distances(np.zeros((1, 3)), over)
+            assert distance == pytest.approx(2 * angle, abs=1e-7)

@@ -205,3 +205,19 @@ def test_metal_rod_reports_the_power_that_it_absorbs():
     assert expected > 0
     assert trap.absorbed_power == pytest.approx(float(expected))
     assert trap_of("polystyrene rod").absorbed_power is None
+
+
+@pytest.mark.parametrize("polarisation", ["linear", "circular"])
+def test_both_ends_of_an_unequal_pair_are_searched(polarisation):
+    """The axis is along the light, up and down, at places where force and torque vanish."""
+    spheres = [
+        {"diameter": d * UM, "refractive_index": POLYSTYRENE, "position": [0, 0, z * UM]}
+        for d, z in ((0.5, -0.25), (0.3, 0.15))
+    ]
+    scene = scene_of(PAIR | {"spheres": spheres}, beam={"polarisation": polarisation})
+    found = [each for each in tweezer.characterise(scene).equilibria if each.stable]
+    up = Rotation.from_quat([e.orientation for e in found], scalar_first=True).apply([0, 0, 1])
+    assert sorted(up[:, 2]) == pytest.approx([-1, 1], abs=1e-9)
+    for each in found:
+        force = tweezer.optical_force(scene, each.position, each.orientation)
+        assert np.linalg.norm(force) < 1e-18

@@ -93,3 +93,28 @@ def test_displacements_decay_in_the_turning_frame(held):
     rates = np.array(held.relaxation_rates) @ [1, 1j]
     largest = np.abs(rates).max()
     np.testing.assert_allclose(found, np.sort_complex(rates), atol=2e-5 * largest)
+
+
+def test_body_hangs_by_a_centre_of_volume_off_its_axis(tmp_path):
+    """Buoyancy turns it about its axis until its centre of volume is above the axis."""
+    rod = DISC.replace(
+        bead={"shape": "spheroid", "diameter": "0.4 um", "length": "0.8 um"},
+        beam={"polarisation": "linear"},
+    )
+    file = tmp_path / "rod.tmat.h5"
+    tweezer.t_matrix(rod).save(file)
+    given = {
+        "mass": rod.body.mass, "volume": rod.body.volume, "centre_of_volume": [1e-7, 0, 0],
+        "inertia": np.array(rod.body.inertia).tolist(),
+        "resistance": np.array(tweezer.resistance(rod).matrix).tolist(),
+    }  # fmt: skip
+    body = {"shape": "given", "diameter": "0.8 um", "given": given, "t_matrix": str(file)}
+    trap = tweezer.characterise(rod.replace(bead=body))
+    lying = 0
+    for each in trap.equilibria:
+        assert each.rotation == pytest.approx([0, 0, 0], abs=1e-9)
+        turned = Rotation.from_quat(each.orientation, scalar_first=True)
+        if abs(turned.apply([0, 0, 1])[2]) < 1e-3:
+            assert abs(turned.apply([1, 0, 0])[2]) == pytest.approx(1, abs=1e-6)
+            lying += 1
+    assert lying

@@ -34,6 +34,13 @@ _AXES = (
     (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.6, 0.0, 0.8), (0.0, 0.6, 0.8),
     (0.5, -0.7, 0.5), (-0.8, 0.5, 0.3),
 )  # fmt: skip
+#: Further start for a body whose ends differ
+_UPSIDE_DOWN = (0.06, 0.0, -0.998)
+#: Pose at which both ends of a body are compared, in radii and as an axis, and the largest
+#: difference of the wrenches, as a part of the light's force, if both ends are alike
+_ASIDE, _TILTED, _ALIKE = (0.3, 0.2, 0.4), (0.5, -0.7, 0.5), 1e-5
+#: Distance of the centre of volume from an axis of revolution that counts as zero, m
+_OFF_AXIS = 1e-15
 #: Starts along the axis of each beam from its focus, in radii that enclose the body
 _HEIGHTS = (0.3, 1.0)
 #: Most steps of a search, and those of Newton's method at its end
@@ -124,12 +131,15 @@ class Rest:
     """(n, 3) axes of revolution of the body, in its frame"""
     around: bool
     """whether poses that differ by a turn about the z axis are the same"""
+    alike: bool
+    """whether both ends of an axis of revolution are alike"""
 
     def distances(self, positions: Array, orientations: Array) -> Array:
         """Return the distances (n,), m, of poses: the root of the squared distance and the squared
         angle times `length`.
 
-        Turns that change nothing do not count, and neither does the sign of an axis of revolution.
+        Turns that change nothing do not count, and neither does the sign of an axis of revolution
+        whose ends are alike.
 
         Parameters
         ----------
@@ -154,12 +164,16 @@ class Rest:
         if len(self.axes) == 1:
             axes, axis = turned.apply(self.axes[0]), here.apply(self.axes[0])
             if self.around:
-                tilts = np.arccos(np.clip(np.abs([*axes[:, 2], axis[2]]), 0.0, 1.0))
+                tilts = np.arccos(self._cosines(np.array([*axes[:, 2], axis[2]])))
                 return np.asarray(np.abs(tilts[:-1] - tilts[-1]))
-            return np.arccos(np.clip(np.abs(axes @ axis), 0.0, 1.0))
+            return np.arccos(self._cosines(axes @ axis))
         e = (turned * here.inv()).as_quat(scalar_first=True)
         cosines = np.hypot(e[:, 0], e[:, 3]) if self.around else np.abs(e[:, 0])
         return 2 * np.arccos(np.clip(cosines, 0.0, 1.0))
+
+    def _cosines(self, values: Array) -> Array:
+        """Return cosines of angles to an axis (n,), of the nearer end if both ends are alike."""
+        return np.clip(np.abs(values) if self.alike else values, -1.0, 1.0)
 
 
 class _Steady(NamedTuple):
@@ -199,6 +213,9 @@ class PoseSearch:
         self._weight = self._lift - [0.0, 0.0, bead.mass * g * forces.gravity]
         self._centre_of_volume = np.array(bead.centre_of_volume)
         self._wavelength = min(beam.wavelength for beam in scene.beams) / medium.refractive_index
+        beside = np.cross(self.axes, self._centre_of_volume)
+        self._hangs = bool(self._lift.any() and np.abs(beside).max(initial=0.0) > _OFF_AXIS)
+        self.alike = self._ends_are_alike()
 
     def equilibria(self) -> tuple[list[BodyEquilibrium], int]:
         """Return the equilibria found from several starts at each focus, and the number of starts.
@@ -206,7 +223,8 @@ class PoseSearch:
         The stable ones come first, in ascending order of z.
         """
         found: list[BodyEquilibrium] = []
-        starts = list(itertools.product(self.foci, _HEIGHTS, _AXES))
+        axes = _AXES if self.alike else (*_AXES, _UPSIDE_DOWN)
+        starts = list(itertools.product(self.foci, _HEIGHTS, axes))
         for focus, height, axis in starts:
             start = focus + np.array([0.0, 0.0, height * self.length])
             if axis[2] not in (0.0, 1.0):  # off the axis too, to leave what is symmetric
@@ -226,7 +244,7 @@ class PoseSearch:
     def rest(self, place: BodyEquilibrium) -> Rest:
         """Return the pose of an equilibrium, from which distances are measured."""
         r, e = np.asarray(place.position), np.asarray(place.orientation)
-        return Rest(r, e, self.length, self.axes, self.around)
+        return Rest(r, e, self.length, self.axes, self.around, self.alike)
 
     def drawn(self, place: BodyEquilibrium, kT: float, normals: Array) -> tuple[Array, Array]:
         """Return poses in the stationary distribution of the linear overdamped motion.
@@ -381,12 +399,30 @@ class PoseSearch:
         return self.wrench(position, orientation) - self._steady(position, orientation).drag
 
     def _steady(self, position: Array, orientation: Array) -> _Steady:
-        """Return the steady rotation whose drag is closest to the wrench at a pose."""
+        """Return the steady rotation whose drag is closest to the wrench at a pose.
+
+        A body whose centre of volume is off its axis does not turn about it, but hangs.
+        """
         own, motions = self._own(orientation), self._unchanging(position, orientation)
+        if self._hangs:
+            own, motions = own[:0], motions[len(own) :]
         drags = self._drag(orientation) @ motions.T
         wrench = self.wrench(position, orientation)
         speeds = np.linalg.lstsq(drags, wrench, rcond=_SAME_ANGLE)[0]
         return _Steady(speeds @ motions, speeds[len(own) :] @ motions[len(own) :], drags @ speeds)
+
+    def _ends_are_alike(self) -> bool:
+        """Return whether a body of revolution may be turned upside down without any change."""
+        if len(self.axes) != 1:
+            return True
+        place, tilted = self.foci[0] + self.length * np.array(_ASIDE), _turning(np.array(_TILTED))
+        across = np.linalg.svd(self.axes)[2][1]
+        over = (_rotation(tilted) * Rotation.from_rotvec(math.pi * across)).as_quat(
+            scalar_first=True
+        )
+        here, there = self.wrench(place, tilted), self.wrench(place, over)
+        of_light = np.linalg.norm(here[PLACE] - self._weight)
+        return bool(np.linalg.norm(here - there) <= _ALIKE * of_light)
 
     def _drag(self, orientation: Array) -> Array:
         """Return the resistance in laboratory axes, (6, 6) in N s/m.
@@ -421,12 +457,12 @@ class PoseSearch:
     def same(self, one: BodyEquilibrium, other: BodyEquilibrium) -> bool:
         """Return whether motions that change nothing lead from one equilibrium to the other.
 
-        The axis of a body of revolution is compared without its sign.
+        The axis of a body of revolution whose ends are alike is compared without its sign.
         """
         (position, directions), (place, turned) = self._pose(one), self._pose(other)
         if np.linalg.norm(position - place) > _SAME:
             return False
-        signs = (1.0, -1.0) if len(self.axes) == 1 else (1.0,)
+        signs = (1.0, -1.0) if len(self.axes) == 1 and self.alike else (1.0,)
         return any(np.linalg.norm(sign * turned - directions) < _SAME_ANGLE for sign in signs)
 
     def _pose(self, place: BodyEquilibrium) -> tuple[Array, Array]:
