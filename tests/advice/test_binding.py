@@ -137,6 +137,10 @@ REFUSED: dict[str, tuple[Callable[[Problem], None], tuple[Data, ...], str, list[
         thermal, (DARK, ROD, {"start": {"drawn": "equilibrium"}}),
         "start.drawn = 'equilibrium': requires a stable equilibrium", [],
     ),
+    "rod at its pose under a force of the user": (
+        thermal, (THERMAL, ROD, {"start": {"drawn": "equilibrium"}}),
+        "without forces of your own", [TURNING],
+    ),
     "rod with inertia in frames": (
         thermal, (DARK, ROD, FILMED, with_method("heun", model="full")),
         "is not available for a body that is not a sphere and a camera", [],

@@ -320,6 +320,8 @@ RUN = spinning([0, 0, 5.0], 100, 0.01)
         (RUN, {"skip": 0.99}, "contains fewer than 2 samples after skip = 0.99 s"),
         (RUN.isel(time=[0, 1, 3, 4]), {}, "samples must be evenly spaced"),
         (RUN.isel(time=slice(None, None, -1)), {}, "time: must increase from sample to sample"),
+        (RUN.assign_coords(time=np.arange(100) * np.timedelta64(10, "ms")), {}, "numbers in s"),
+        (RUN.assign_coords(time=RUN.time.assign_attrs(units="m")), {}, "time: has the wrong unit"),
         (RUN.isel(euler_parameter=[0, 1, 2]), {}, "must have 4 Euler parameters"),
         (RUN.assign(orientation=1.1 * RUN.orientation), {}, "must have the length 1"),
         (RUN.assign(orientation=np.nan * RUN.orientation), {}, "all values are NaN"),
@@ -345,3 +347,10 @@ def test_bad_input_is_refused_in_one_line(run, options, said):
 
 def test_axis_is_scaled_to_length_1():
     xr.testing.assert_identical(tweezer.rotation(RUN, [0, 2, 0]), tweezer.rotation(RUN, [0, 1, 0]))
+
+
+def test_time_is_converted_from_the_unit_of_the_dataset():
+    in_ms = RUN.assign_coords(time=(1e3 * RUN.time).assign_attrs(units="ms"))
+    found = tweezer.rotation(in_ms)
+    assert found.rate.values == pytest.approx([0, 0, 5.0], abs=1e-12)
+    assert found.lag.values == pytest.approx(tweezer.rotation(RUN).lag.values)

@@ -51,7 +51,7 @@ class Samples:
                 f"{name}: contains no orientation over time; must be a run, or trajectories of an "
                 "ensemble, of a body that rotates"
             )
-        orientation, time = source["orientation"], source["time"].values
+        orientation, time = source["orientation"], _seconds(source["time"], name)
         over = [*map(str, orientation.dims)]
         if {*over} | {"trajectory"} != {"trajectory", "time", "euler_parameter"}:
             raise ResultError(
@@ -127,3 +127,10 @@ class Samples:
                 f"{longest * self.step:.3g} s"
             )
         return np.unique(np.round(given).astype(np.int64))
+
+
+def _seconds(time: xr.DataArray, name: str) -> Array:
+    """Return times (n,) in s, converted from the unit of a dataset. Raises `ResultError`."""
+    if time.dtype.kind not in "fiu":
+        raise ResultError(f"{name}: time: must be numbers in s, not {time.dtype}")
+    return numbers_in_si(f"{name}: time", time, "s")
