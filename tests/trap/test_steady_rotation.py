@@ -34,6 +34,11 @@ def test_disc_turns_as_its_run_does(held):
     np.testing.assert_allclose(run.position, np.tile(held.position, (21, 1)), atol=1e-13)
 
 
+def test_rounding_of_the_rotation_is_not_printed(held):
+    card = str(tweezer.characterise(DISC))
+    assert f"steady rotation (x, y, z)   0, 0, {held.rotation[2]:.4g} rad/s" in card
+
+
 def test_rate_is_torque_over_drag(held):
     torque = tweezer.optical_torque(DISC, held.position, held.orientation)
     across = tweezer.resistance(DISC).matrix[3, 3]  # about a diameter of the disc

@@ -39,7 +39,7 @@ def rotation(
         tuple[float, float, float],
         typer.Option(
             help="Axis of the body, in its own frame, for order, correlations and spectrum. "
-            "Default: its axis of symmetry.",
+            "Default: its z axis.",
             metavar="X Y Z",
         ),
     ] = (0, 0, 1),

@@ -51,8 +51,9 @@ def rotation(
         (trajectory, time, euler_parameter). These are Euler parameters, scalar first, from the
         body's frame to the laboratory.
     axis : array_like, shape (3,), optional
-        Axis n in the body's frame, scaled to length 1. Default: P3, about which a body of
-        revolution is symmetric. For the spectrum of a body that spins about n, choose another axis.
+        Axis n in the body's frame, scaled to length 1. Default: its z axis, about which a spheroid,
+        cylinder, capsule or profile is symmetric. For the spectrum of a body that spins about n,
+        choose another axis.
     lags : array_like, shape (m,), optional
         Lags, s, rounded to sampling intervals. Default: ten per decade, up to an eighth of the
         duration.

@@ -126,11 +126,12 @@ class BodyTrap(Comparable, Result):
             yield Row("stable equilibrium", ", ".join(map(micrometres, held.position)) + " um")
             yield Row("axis of the body", _direction(self._axis(held)))
             k = np.diag(held.stiffness)
-            turning = np.where(np.abs(k[ANGLE]) > FREE * np.abs(k[ANGLE]).max(), k[ANGLE], 0.0)
+            turning = _without_rounding(k[ANGLE])
             yield Row("stiffness (x, y, z)", printed(tuple(k[PLACE]), "pN/um"))
             yield Row("against rotation (x, y, z)", printed(tuple(turning), "pN um"))
             if held.rotation is not None and any(held.rotation):
-                yield Row("steady rotation (x, y, z)", printed(tuple(held.rotation), "rad/s"))
+                spin = _without_rounding(np.asarray(held.rotation))
+                yield Row("steady rotation (x, y, z)", printed(tuple(spin), "rad/s"))
             yield Row("coupling of both", f"{held.coupling:.3g} of the largest stiffness")
             largest = np.abs(held.eigenvalues).max()
             values = [
@@ -174,6 +175,12 @@ class BodyTrap(Comparable, Result):
                 for each in self.equilibria
             ),
         )  # fmt: skip
+
+
+def _without_rounding(components: Array) -> Array:
+    """Return components (3,), with 0 for those that are rounding compared with the largest."""
+    size = np.abs(components)
+    return np.where(size > FREE * size.max(), components, 0.0)
 
 
 def _complex_text(value: complex) -> str:
