@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import tweezer
 from tweezer import SceneError
-from tweezer.dynamics.poses import Rest
+from tweezer.dynamics.poses import PoseSearch, Rest
 from tweezer.forces import UserForce, kernel, number
 
 BASE = tweezer.load_scene("polystyrene-500nm")
@@ -189,3 +189,35 @@ def test_ends_that_differ_are_distinguished():
             rest = Rest(np.zeros(3), here, 2.0, axes, around, alike)
             distance = rest.distances(np.zeros((1, 3)), over)
             assert distance == pytest.approx(2 * angle, abs=1e-7)
+
+
+def test_mean_position_on_an_orbit_is_its_radius_and_height():
+    here = np.array([1.0, 0, 0, 0])
+    angle = np.linspace(0, 2 * np.pi, 100)
+    orbit = np.column_stack([2 * np.cos(angle), 2 * np.sin(angle), np.full(100, 0.5)])
+    rest = Rest(np.array([0, -2.0, 0.5]), here, 1.0, np.array([[0, 0, 1.0]]), True, True)
+    assert rest.apart(orbit).mean(axis=0) == pytest.approx([0, 0], abs=1e-12)
+    on_the_axis = Rest(np.array([0, 0, 0.5]), here, 1.0, np.array([[0, 0, 1.0]]), True, True)
+    assert on_the_axis.apart(orbit).mean(axis=0) == pytest.approx([0.02, 0, 0], abs=1e-12)
+
+
+def test_rod_that_orbits_steadily_is_captured():
+    """Light with a vortex drives it around its axis. Without thermal motion its pose in the frame
+    that turns with it does not change.
+    """
+    rod = {"shape": "spheroid", "diameter": "0.2 um", "length": "0.35 um"}
+    scene = BASE.replace(
+        bead=rod, beam={"polarisation": "circular", "vortex": 1},
+        start={"position": ["0.3 um", 0, "0.1 um"]},
+        simulation={"model": "overdamped", "duration": "40 ms", "samples": 401},
+    )  # fmt: skip
+    run = tweezer.simulate(scene)
+    assert tweezer.summarise(run).outcome == "captured"
+    search = PoseSearch(scene)
+    place = search.relaxed(run.position.values[-1], run.orientation.values[-1])
+    rates = tweezer.rotation(run, skip="35 ms").rate
+    assert place.stable
+    assert place.rotation[2] == pytest.approx(float(rates[2]), rel=1e-5)
+    ways = search.escapes(place)
+    assert [each.direction for each in ways] == ["outwards", "inwards", "+z", "-z"]
+    assert all(each.force > 1e-14 for each in ways)

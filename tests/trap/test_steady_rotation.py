@@ -6,6 +6,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 import tweezer
+from tweezer.dynamics.poses import PoseSearch
 
 #: A disc stands on its edge and turns about the axis of the light
 DISC = tweezer.load_scene("polystyrene-500nm").replace(
@@ -123,3 +124,21 @@ def test_body_hangs_by_a_centre_of_volume_off_its_axis(tmp_path):
             assert abs(turned.apply([1, 0, 0])[2]) == pytest.approx(1, abs=1e-6)
             lying += 1
     assert lying
+
+
+def test_cluster_of_one_sphere_orbits_on_the_ring_of_the_sphere():
+    sphere = DISC.replace(
+        bead={"diameter": "0.3 um", "shape": "sphere"},
+        beam={"polarisation": "circular", "vortex": 1},
+    )
+    one = {"diameter": "0.3 um", "refractive_index": 1.5715, "position": [0, 0, 0]}
+    cluster = sphere.replace(bead={"shape": "spheres", "density": "1050 kg/m^3", "spheres": [one]})
+    ring = tweezer.characterise(sphere).ring
+    start = np.array([0.9 * ring.radius, 0, 0.9 * ring.height])
+    found = PoseSearch(cluster).relaxed(start, np.array([1.0, 0, 0, 0]))
+    assert found.stable
+    assert np.hypot(*found.position[:2]) == pytest.approx(ring.radius, rel=1e-5)
+    assert found.position[2] == pytest.approx(ring.height, rel=1e-5)
+    mobility = tweezer.resistance(cluster).mobility[0, 0]
+    rates = mobility * np.sort(np.linalg.eigvals(ring.stiffness).real)
+    assert np.array(found.relaxation_rates)[-2:, 0] == pytest.approx(rates, rel=1e-3)

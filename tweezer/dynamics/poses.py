@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 from scipy.special import ndtr
 
+from tweezer.dynamics.escape import Escape, escapes, escapes_from_ring
 from tweezer.fluid.resistance.of_scene import resistance
 from tweezer.optics import Beams, LightForce, light_force
 from tweezer.optics.bodies.by_sums import derivative_of
@@ -148,13 +149,23 @@ class Rest:
         orientations : ndarray, shape (n, 4)
             Euler parameters.
         """
-        apart = positions - self.position
-        if self.around:
-            across = np.linalg.norm(positions[:, :2], axis=1) - math.hypot(*self.position[:2])
-            apart = np.column_stack([across, apart[:, 2]])
-        return np.hypot(
-            np.linalg.norm(apart, axis=1), self.length * self._angles(_rotation(orientations))
-        )
+        apart, turned = self.apart(positions), _rotation(orientations)
+        return np.hypot(np.linalg.norm(apart, axis=1), self.length * self._angles(turned))
+
+    def apart(self, positions: Array) -> Array:
+        """Return displacements from the pose, m: (n, 3), or (n, 2) in radius and height for a pose
+        on an orbit about the z axis.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (n, 3)
+            Positions, m.
+        """
+        radius = math.hypot(*self.position[:2])
+        if not self.around or radius < _SAME * self.length:
+            return np.asarray(positions - self.position)
+        across = np.hypot(positions[:, 0], positions[:, 1]) - radius
+        return np.column_stack([across, positions[:, 2] - self.position[2]])
 
     def _angles(self, turned: Rotation) -> Array:
         """Return the smallest angles (n,) by which orientations differ from the pose, rad."""
@@ -199,6 +210,7 @@ class PoseSearch:
     """
 
     def __init__(self, scene: Scene, time: float = 0.0) -> None:
+        self.scene = scene
         self.light: LightForce | Beams = light_force(scene)
         self.body = t_matrix(scene)
         self.length = self.body.radius
@@ -287,6 +299,25 @@ class PoseSearch:
             positions, turned = about.apply(positions), about * turned
         return positions, turned.as_quat(scalar_first=True)
 
+    def escapes(self, place: BodyEquilibrium) -> tuple[Escape, ...]:
+        """Return the escapes from an equilibrium at its orientation, along the axes, or across the
+        orbit about the axis of the light on which it is. The drag of the orbit is balanced.
+        """
+        r, e = np.array(place.position), np.array(place.orientation)
+        orbits = self.around and math.hypot(r[0], r[1]) > _SAME * self.length
+        if orbits:
+            turned = Rotation.from_rotvec([0.0, 0.0, -math.atan2(r[1], r[0])])
+            r, e = turned.apply(r), (turned * _rotation(e)).as_quat(scalar_first=True)
+        drag = self._steady(r, e).drag[PLACE]
+
+        def net_force(points: Array) -> Array:
+            """Return the force less the drag of the steady motion at points (n, 3), m: (n, 3) N."""
+            return self.force_at(e, points) - drag
+
+        if orbits:
+            return escapes_from_ring(self.scene, self.light.search, net_force, r)
+        return escapes(self.scene, self.light.search, net_force, r, symmetric=False)
+
     def force_at(self, orientation: Array, points: Array) -> Array:
         """Return light and weight at points (n, 3), m, with one orientation, (n, 3) N."""
         turned = np.ascontiguousarray(np.broadcast_to(orientation, (len(points), 4)))
@@ -321,7 +352,7 @@ class PoseSearch:
         damping = None
         scale = 0.0
         for _ in range(_STEPS):
-            k = _scaled(self.stiffness(r, e), self.length)
+            k = self._slope(r, e, self.stiffness(r, e))
             size = float(np.linalg.norm(force))
             scale = max(scale, size)
             if damping is None:
@@ -339,7 +370,7 @@ class PoseSearch:
             if size <= _VANISHED * scale or damping < 1e-9 * np.abs(k).max():
                 break
         for _ in range(_NEWTON):
-            k = _scaled(self.stiffness(r, e), self.length)
+            k = self._slope(r, e, self.stiffness(r, e))
             step = np.linalg.pinv(k, rcond=FREE) @ force
             if np.linalg.norm(step) > farthest:
                 return None
@@ -365,7 +396,7 @@ class PoseSearch:
             decay = self._decay(r, e, stiffness, turning=turning)
             rates = _sorted(np.linalg.eigvals(decay))
         judged = values if rates is None else rates
-        free = np.abs(judged) <= FREE * np.abs(judged).max()
+        free = np.abs(judged.real) <= FREE * np.abs(judged).max()
         stable = bool((judged.real[~free] > 0).all() and free.sum() <= len(self._unchanging(r, e)))
         r = np.where(np.abs(r) < 1e-13 * self.length, 0.0, r)
         return BodyEquilibrium(
@@ -378,21 +409,24 @@ class PoseSearch:
         """Return the matrix A, 1/s, of the overdamped motion about a pose: d(xi)/dt = -A xi.
 
         The displacement xi is in laboratory axes, in the units of `_scaled`, and follows the
-        orbit V_o of a body that is `turning`. With the wrench W, whose components in the body's
-        frame change by W x angle as the body turns, A = B (K xi - W x angle) + [V_o, xi].
+        orbit of a body that is `turning`.
         """
-        mobility = np.linalg.inv(self._drag(e))
-        decay: Array = mobility @ _scaled(stiffness, self.length)
-        if turning:
-            wrench, orbit = self.wrench(r, e), self._steady(r, e).orbit
-            turned = np.zeros((6, 6))
-            turned[PLACE, ANGLE] = _crossing(wrench[PLACE])
-            turned[ANGLE, ANGLE] = _crossing(wrench[ANGLE])
-            decay -= mobility @ turned / self.length
-            about = _crossing(orbit[ANGLE])
-            decay += np.kron(np.eye(2), about) / self.length
-            decay[PLACE, ANGLE] += _crossing(orbit[PLACE]) / self.length
-        return decay
+        slope = self._slope(r, e, stiffness) if turning else _scaled(stiffness, self.length)
+        return np.asarray(np.linalg.inv(self._drag(e)) @ slope)
+
+    def _slope(self, r: Array, e: Array, stiffness: Array) -> Array:
+        """Return the decrease of the unbalanced wrench with a displacement xi, (6, 6) N/m.
+
+        The displacement follows the orbit V_o of the steady rotation. With the wrench W that drag
+        balances, whose components in the body's frame change by W x angle as the body turns, it is
+        K xi - W x angle + R [V_o, xi].
+        """
+        steady = self._steady(r, e)
+        turned, follows = np.zeros((6, 6)), np.kron(np.eye(2), _crossing(steady.orbit[ANGLE]))
+        turned[PLACE, ANGLE] = _crossing(steady.drag[PLACE])
+        turned[ANGLE, ANGLE] = _crossing(steady.drag[ANGLE])
+        follows[PLACE, ANGLE] += _crossing(steady.orbit[PLACE])
+        return _scaled(stiffness, self.length) + (self._drag(e) @ follows - turned) / self.length
 
     def _unbalanced(self, position: Array, orientation: Array) -> Array:
         """Return the wrench less the drag of the steady rotation at a pose, (6,) N."""

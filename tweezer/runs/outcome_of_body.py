@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import functools
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tweezer.dynamics.escape import escapes, too_shallow
+from tweezer.dynamics.escape import too_shallow
 from tweezer.results.run import Run
 from tweezer.values.arrays import Array
 
@@ -41,8 +40,8 @@ def outcome_of_body(
     """
     times, position, orientation = run["time"], run["position"], run["orientation"]
     brownian, end = scene.forces.brownian, float(times[-1])
-    settled = position[-max(1, len(position) // 10) :].mean(axis=0) if brownian else position[-1]
-    free = NOT_CAPTURED, end, settled, 0.0
+    settled = position[-max(1, len(position) // 10) :] if brownian else position[-1:]
+    free = NOT_CAPTURED, end, settled.mean(axis=0), 0.0
     if not scene.lit:
         return free
     from tweezer.dynamics.poses import PoseSearch  # spheres do without
@@ -54,10 +53,8 @@ def outcome_of_body(
     rest = search.rest(place)
     away = rest.distances(position, orientation) > (reach if brownian else nearby)
     if brownian:
-        aside = np.linalg.norm(settled - rest.position) > reach
-        pulled = functools.partial(search.force_at, rest.orientation)
-        ways = escapes(scene, search.light.search, pulled, rest.position, symmetric=False)
-        if aside or away.all() or too_shallow(ways):
+        aside = np.linalg.norm(rest.apart(settled).mean(axis=0)) > reach
+        if aside or away.all() or too_shallow(search.escapes(place)):
             return free
         return CAPTURED, float(times[away.argmin()]), rest, 0.0
     if away[-1]:

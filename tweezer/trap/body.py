@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from tweezer.dynamics.escape import Escape, escapes, too_shallow
+from tweezer.dynamics.escape import Escape, too_shallow
 from tweezer.dynamics.poses import ANGLE, FREE, PLACE, BodyEquilibrium, PoseSearch
 from tweezer.fluid.resistance.of_scene import resistance
 from tweezer.optics import Beams, LightForce
@@ -23,7 +23,7 @@ from tweezer.scene import Scene
 from tweezer.trap import quantities as known
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
-from tweezer.values.measured import Measured, Quantity, Result
+from tweezer.values.measured import DIMENSIONS, Measured, Quantity, Result
 from tweezer.values.printed import printed
 from tweezer.values.rounding import micrometres
 from tweezer.values.shown import Card, Row, Table
@@ -43,7 +43,8 @@ class BodyTrap(Comparable, Result):
     equilibrium: BodyEquilibrium | None
     """stable equilibrium nearest the focus; None if none was found"""
     escapes: tuple[Escape, ...]
-    """escapes from `equilibrium` along the axes, at its orientation"""
+    """escapes from `equilibrium` at its orientation: along the axes, or across the orbit on which
+    it is"""
     torque_efficiency: float | None
     """largest torque times the angular frequency of the light over the power, when the body is
     turned at the equilibrium about x and about y"""
@@ -58,6 +59,11 @@ class BodyTrap(Comparable, Result):
     def t_matrix(self) -> TMatrix:
         """The T-matrix of the body."""
         return t_matrix(self.scene)
+
+    @property
+    def on_orbit(self) -> bool:
+        """Whether the equilibrium is on an orbit about the axis of the light."""
+        return any(each.direction not in DIMENSIONS["direction"] for each in self.escapes)
 
     def quantities(self) -> Iterator[Measured]:
         """Yield the quantities of the trap at its stable equilibrium."""
@@ -78,6 +84,7 @@ class BodyTrap(Comparable, Result):
                 torque = error * held.length * np.linalg.norm(drag.mobility[ANGLE, ANGLE], ord=2)
                 own = drag.error * np.linalg.norm(held.rotation)
                 yield known.ROTATION(held.rotation, np.full(3, torque + own))
+        if held is not None and not self.on_orbit:
             ways = self.escapes
             yield known.ESCAPE_FORCE([each.force for each in ways], np.full(len(ways), error))
             lengths = np.array([math.nan if each.range is None else each.range for each in ways])
@@ -97,7 +104,8 @@ class BodyTrap(Comparable, Result):
         if reason := too_shallow(self.escapes):
             return {"outcome": known.LOST, "reason": reason}
         deep = min(each.energy_kT for each in self.escapes) >= known.STABLE
-        return {"outcome": known.HELD if deep else known.SHALLOW}
+        held = known.ON_RING if self.on_orbit else known.HELD
+        return {"outcome": held if deep else known.SHALLOW}
 
     def content(self) -> dict[str, Any]:
         """Return the fields except the scene as plain values, for a file."""
@@ -240,10 +248,7 @@ def body_trap(scene: Scene) -> BodyTrap:
     error = 0.0
     if held is not None:
         position, orientation = np.asarray(held.position), np.asarray(held.orientation)
-        pulled = escapes(
-            scene, search.light.search, functools.partial(search.force_at, orientation), position,
-            symmetric=False,
-        )  # fmt: skip
+        pulled = search.escapes(held)
         efficiency = _torque_efficiency(scene, search.light, position, orientation)
         absorbed = _absorbed(search, position, orientation)
         field_there = search.light.field(position[None], orientations=orientation[None])
