@@ -213,3 +213,18 @@ def test_map_of_spherical_aberration_is_the_force():
     expected = tweezer.optical_force(scene, PLACES)
     found = tweezer.optical_force(mapped, PLACES)
     np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())
+
+
+def test_torque_and_absorbed_power_of_an_absorbing_bead():
+    terms, dyed = [(3, 1, 0.1), (2, 2, 0.1)], (1.59, 0.01)
+    scene = scene_with(terms, {"polarisation": "circular"}).replace(
+        bead={"refractive_index": "1.59+0.01j"}
+    )
+    light = reference(terms, polarisation=(ONE, ONE * 1j))
+    expected = push(light, Sphere(((0.5e-6, complex(*dyed)),)), PLACES)
+    for found, wanted in (
+        (tweezer.optical_force(scene, PLACES), expected.force),
+        (tweezer.optical_torque(scene, PLACES), expected.torque),
+        (tweezer.absorbed_power(scene, PLACES), expected.absorbed),
+    ):
+        np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-9 * np.abs(wanted).max())

@@ -74,7 +74,7 @@ class _Bound:
     @functools.cached_property
     def states(self) -> tuple[State, ...]:
         """Polarised parts of the light, without mirror images."""
-        return full_states(self.light.states)
+        return full_states(self.light.harmonic_states)
 
     @functools.lru_cache(maxsize=4)  # noqa: B019
     def source(self, highest: int) -> tuple[Any, ...]:

@@ -80,11 +80,13 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
     highest = stride - 1
     a, b = (np.pad(each, (0, stride))[: highest - 1] for each in (a, b))
     nodes = Nodes(light.focus, light.kinds, small)
+    states = light.states if light.uneven else light.harmonic_states
+    grid = _grid(light, nodes, reach, needed + 1) if light.uneven else ()
     data = packed(
         light.strength * UNIT, light.strength, tolerance, nodes.error * light.strength,
-        of_states(light.states), guarded_elements(np.stack(elements(highest))),
-        _of_sphere(a, b, light.states, stride),
-        *source(light, light.states, nodes, reach, highest, small),
+        of_states(states), guarded_elements(np.stack(elements(highest))),
+        _of_sphere(a, b, states, stride),
+        *source(light, states, nodes, reach, highest, small), *grid,
     )  # fmt: skip
     return Sums(data, nodes.error, small)
 
@@ -148,6 +150,32 @@ def source(
         ]),
         np.cumsum(stride - firsts) - (stride - firsts), highest,
     )  # fmt: skip
+
+
+def _grid(light: Waves, nodes: Nodes, reach: float, top: int) -> tuple[Any, ...]:
+    """Return the fields of `grid.Grid` for an uneven pupil, with orders m up to `top`.
+
+    The azimuths of a rule resolve the orders that are computed, and all orders of the light about
+    the farthest bead of the rule: those of the pupil's factor, and those of a plane wave there.
+    """
+    assert light.pupil is not None
+    most = top + max(abs(part.angular_momentum) for each in light.states for part in each.parts)
+    widest = max(map(abs, light.pupil.orders))
+    least, (across, _) = light.size_parameter * light.focus.half_angle, nodes.variable.phases
+    rules, factors, circles, at, turn = [], [], [], 0, 0
+    for rule in _rules(light, nodes, reach):
+        x = (rule.largest_phase - least) / across * math.sin(light.focus.half_angle)
+        count = 2 * math.ceil((most + widest + x + 5 * x ** (1 / 3) + 8) / 2)
+        phi = 2 * math.pi * np.arange(count) / count
+        padded = -(-len(rule.below) // LANES) * LANES
+        factor = np.zeros((count, 2, padded))
+        values = light.focus.factor(rule.below, phi).T
+        factor[:, 0, : len(rule.below)], factor[:, 1, : len(rule.below)] = values.real, values.imag
+        rules.append((count, at, turn))
+        factors.append(factor.ravel())
+        circles += [np.cos(phi), np.sin(phi)]
+        at, turn = at + factor.size, turn + 2 * count
+    return np.array(rules, float), np.concatenate(factors), np.concatenate(circles), top, most
 
 
 def _rules(light: Waves, nodes: Nodes, reach: float) -> list[Rule]:

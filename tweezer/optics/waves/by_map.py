@@ -26,7 +26,7 @@ _SOURCES = sources(
     *(
         f"optics.waves.{name}"
         for name in (
-            "binding", "by_map", "by_quadrature", "focus", "harmonics", "kernel", "lattice",
+            "binding", "by_map", "by_quadrature", "focus", "grid", "harmonics", "kernel", "lattice",
             "light", "nodes", "partial_waves", "pupil", "sphere",
         )
     ),

@@ -72,7 +72,9 @@ class WavesByQuadrature(LightForce):
         if not self.light.absorbs:
             return super().absorbed_power(positions)
         there = self._reaching(positions)
-        share: Array = absorption()(np.require(positions, np.float64, ["C"]), there.sums.data)
+        share: Array = absorption(uneven=self.light.uneven)(
+            np.require(positions, np.float64, ["C"]), there.sums.data
+        )
         return self.light.cone.power * share
 
     def _reaching(self, positions: Array) -> WavesByQuadrature:
@@ -93,7 +95,7 @@ class WavesByQuadrature(LightForce):
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:  # noqa: ARG002
         """Return the kernel of this force and its data; see `Force.compiled`."""
-        return waves_kernel(moment=self.light.absorbs), self.sums.data
+        return waves_kernel(moment=self.light.absorbs, uneven=self.light.uneven), self.sums.data
 
     @functools.cached_property
     def sums(self) -> Sums:

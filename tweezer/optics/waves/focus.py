@@ -41,8 +41,8 @@ class Part(NamedTuple):
     """share of the light along e_theta in its amplitude"""
     phi: complex
     """share of the light along e_phi in its amplitude"""
-    order: int = 0
-    """harmonic of the pupil's factor that its amplitude contains"""
+    order: int | None = None
+    """harmonic of the pupil's factor that its amplitude contains; None if it contains none"""
 
     @property
     def odd(self) -> bool:
@@ -78,7 +78,7 @@ class State:
 
 
 def states(
-    polarisation: str, jones: Array, vortex: int, *, face: bool, orders: tuple[int, ...] = (0,)
+    polarisation: str, jones: Array, vortex: int, *, face: bool, uneven: bool = False
 ) -> tuple[State, ...]:
     """Return the polarised states whose forces add up to the force of the light in a pupil.
 
@@ -92,17 +92,12 @@ def states(
         Vortex charge of the beam.
     face : bool
         Whether the light passes a plane face before the focus.
-    orders : tuple of int, optional
-        Harmonics of the pupil's factor. Default: of an even pupil.
+    uneven : bool, optional
+        Whether the pupil's factor differs around the axis, so that it need not be its own mirror
+        image.
     """
-    if orders != (0,):
-        return tuple(
-            State(each.weight, tuple(
-                part._replace(angular_momentum=part.angular_momentum + q, order=q)
-                for q in orders for part in each.parts
-            ))
-            for each in _unmirrored(polarisation, jones, vortex, face)
-        )  # fmt: skip
+    if uneven:
+        return _unmirrored(polarisation, jones, vortex, face)
     if polarisation in ("radial", "azimuthal"):
         along, half = polarisation == "radial", math.sqrt(0.5)
         plus, minus = (
@@ -127,7 +122,7 @@ def states(
 
 
 def _unmirrored(polarisation: str, jones: Array, vortex: int, face: bool) -> tuple[State, ...]:
-    """Return the states of the light, without mirror images: a pupil need not be its own image."""
+    """Return the states of the light, without mirror images."""
     if polarisation not in ("linear", "unpolarised"):
         return states(polarisation, jones, vortex, face=face)
     along_x_and_y = ((1.0, 0.0), (0.0, 1.0))
@@ -140,6 +135,17 @@ def _unmirrored(polarisation: str, jones: Array, vortex: int, face: bool) -> tup
         parts = (part for l, c in both for part in _parts(l, vortex, c, face))
         found.append(State(1.0 / len(vectors), tuple(parts)))
     return tuple(found)
+
+
+def of_harmonics(states: tuple[State, ...], orders: tuple[int, ...]) -> tuple[State, ...]:
+    """Return states in light with harmonics q of the pupil's factor, which add q to J_z."""
+    return tuple(
+        State(each.weight, tuple(
+            part._replace(angular_momentum=part.angular_momentum + q, order=q)
+            for q in orders for part in each.parts
+        ), each.handedness)
+        for each in states
+    )  # fmt: skip
 
 
 def _circular(vortex: int, face: bool, weight: float, handedness: float) -> tuple[State, ...]:
@@ -210,11 +216,16 @@ class Focus:
         size *= np.exp(1j * face.phase * (face.behind * cosine - face.before * before))
         return size * along, size * across
 
-    def harmonic(self, order: int, below: Array) -> ComplexArray:
-        """Return a harmonic of the pupil's factor at 1 - cos(theta) = `below`; 1 without one."""
-        if self.pupil is None:
+    def harmonic(self, order: int | None, below: Array) -> ComplexArray:
+        """Return a harmonic of the pupil's factor at 1 - cos(theta) = `below`; 1 for no order."""
+        if self.pupil is None or order is None:
             return np.ones(len(below), np.complex128)
         return self.pupil.harmonic(order, self._in_front(below))
+
+    def factor(self, below: Array, phi: Array) -> ComplexArray:
+        """Return the pupil's factor at 1 - cos(theta) = `below` (n,) and azimuths (m,), (n, m)."""
+        assert self.pupil is not None  # an even pupil has no factor
+        return self.pupil.factor(self.pupil.radius(self._in_front(below)), phi)
 
     def _in_front(self, below: Array) -> Array:
         """Return 1 - cos(theta) in front of the face, of waves with `below` behind it."""

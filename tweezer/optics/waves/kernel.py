@@ -27,6 +27,7 @@ from tweezer.forces.data import DATA, matrix, number, vector
 from tweezer.forces.force import KERNEL, Kernel
 from tweezer.generated import waves
 from tweezer.optics.turning import put
+from tweezer.optics.waves.grid import add_uneven_part, azimuthal_orders, grid_of, size_of
 from tweezer.optics.waves.partial_waves import (
     HELICITY,
     OPTIONS,
@@ -320,7 +321,8 @@ class Room(NamedTuple):
     """Arrays for intermediate results, made once for all beads of a call."""
 
     bessel: Any
-    """Bessel functions J_v times `norm`, flattened (orders v, nodes)"""
+    """Bessel functions J_v times `norm`, flattened (orders v, nodes); for an uneven pupil the
+    orders A_v, see `grid.azimuthal_orders`"""
     norm: Any
     """(nodes,) unknown factor of the Bessel functions, see `partial_waves.bessel_functions`"""
     re: Any
@@ -339,20 +341,41 @@ class Room(NamedTuple):
 def room_for(source):  # type: ignore[no-untyped-def]
     """Return the `Room` for the largest of the rules of a `Source`."""
     nodes = int(source.rules[-1, PADDED])
+    return room_of(source, (begin(source.rules[-1, PHASE]) + 3) * nodes)
+
+
+@named_njit(**OPTIONS)
+def room_of(source, size):  # type: ignore[no-untyped-def]
+    """Return the `Room` with a number of entries of the azimuthal functions."""
+    nodes = int(source.rules[-1, PADDED])
     orders, stride = 2 * source.highest + 1, source.highest + 1
     return Room(
-        np.empty((begin(source.rules[-1, PHASE]) + 3) * nodes), np.empty(nodes), np.empty(nodes),
-        np.empty(nodes), np.empty(2 * nodes),
+        np.empty(size), np.empty(nodes), np.zeros(nodes), np.zeros(nodes), np.empty(2 * nodes),
         # with two rows of zeros before and after all orders, and a guard before and after it all
         np.empty((2, 2 * (orders + 4) * stride + 2 * LANES)), np.empty(_FOUND),
     )  # fmt: skip
 
 
 @functools.cache
-def _summed(*, moment: bool) -> Any:
+def _room(*, uneven: bool) -> Any:
+    """Return the compiled function that makes the `Room` of a `Source` and its data."""
+
+    @named_njit(**OPTIONS)
+    def room_with(source, data):  # type: ignore[no-untyped-def]
+        """Return the `Room` for the largest of the rules of a `Source`."""
+        if uneven:
+            return room_of(source, size_of(grid_of(data, SOURCE), int(source.rules[-1, PADDED])))
+        return room_for(source)
+
+    return room_with
+
+
+@functools.cache
+def _summed(*, moment: bool, uneven: bool) -> Any:
     """Return the compiled function that fills `sums` for a bead at (rho, 0, z).
 
-    With `moment` it computes moments and the absorbed power in addition to the force. Its argument
+    With `moment` it computes moments and the absorbed power in addition to the force. For an
+    `uneven` pupil, sums and bead are in the frame of the scene instead. Its argument
     `gradient` selects gradients: the sums with and without them share the waves.
     """
 
@@ -371,7 +394,13 @@ def _summed(*, moment: bool) -> Any:
         stride = source.highest + 1
         size = (2 * source.highest + 1) * stride
         P, found = room.waves, room.found
-        most = bessel_functions(source, rule, rho, room.bessel, room.norm)
+        if uneven:
+            grid = grid_of(data, SOURCE)
+            azimuthal_orders(source, grid, rule, rho * azimuth[0], rho * azimuth[1], room.bessel)
+            room.norm[:] = 1.0
+            most = grid.most
+        else:
+            most = bessel_functions(source, rule, rho, room.bessel, room.norm)
         sums[:] = 0.0
         for state in range(states.shape[0]):
             first = max(int(states[state, LOWEST]) - most, -source.highest)
@@ -387,7 +416,10 @@ def _summed(*, moment: bool) -> Any:
                 plane_waves(source, rule, part, z, room.norm, room.re, room.im)
                 k = 1 if source.parts[part, HELICITY] < 0 else 0
                 out = P[k, LANES : LANES + 2 * imaginary]
-                add_part(source, rule, part, azimuth, most, room, first - 2, out)
+                if uneven:
+                    add_uneven_part(source, grid, rule, part, room, first - 2, out)
+                else:
+                    add_part(source, rule, part, azimuth, most, room, first - 2, out)
             if components == 2:
                 _electric_and_magnetic(P, 2 * imaginary + LANES)
             found[:] = 0.0
@@ -412,13 +444,14 @@ def _summed(*, moment: bool) -> Any:
 
 
 @functools.cache
-def waves_kernel(*, moment: bool) -> Kernel:
+def waves_kernel(*, moment: bool, uneven: bool) -> Kernel:
     """Return the kernel that adds the force of the light, by sums over partial waves.
 
-    It adds the torque if `moment`, and gradients if the wrench has arrays for them. The error of a
+    It adds the torque if `moment`, and gradients if the wrench has arrays for them. The data of an
+    `uneven` pupil contain a `Grid`. The error of a
     bead too far from the focus for every rule is infinite.
     """
-    add_up = _summed(moment=moment)
+    add_up, room_with = _summed(moment=moment, uneven=uneven), _room(uneven=uneven)
 
     @cached_njit(KERNEL, error_model="numpy", nogil=True)
     def add_force_of_waves(pose, data, wrench):  # type: ignore[no-untyped-def]
@@ -426,7 +459,7 @@ def waves_kernel(*, moment: bool) -> Kernel:
         strength = number(data, STRENGTH)
         tolerance, floor = number(data, TOLERANCE), number(data, FLOOR)
         source = source_of(data, SOURCE)
-        room = room_for(source)
+        room = room_with(source, data)
         sums, gradient = np.empty(_FOUND), len(wrench.force_gradient) > 0
         for at in range(pose.position.shape[0]):
             x, y, z = pose.position[at, 0], pose.position[at, 1], pose.position[at, 2]
@@ -443,25 +476,27 @@ def waves_kernel(*, moment: bool) -> Kernel:
                 sums[i] *= strength
             size = math.sqrt(sums[0] ** 2 + sums[1] ** 2 + sums[2] ** 2)
             wrench.error[at] += tolerance * size + floor
+            if uneven:
+                azimuth = (1.0, 0.0)
             put(sums, azimuth[0], azimuth[1], gradient, moment, at, wrench)
 
     return add_force_of_waves
 
 
 @functools.cache
-def absorption() -> Any:
+def absorption(*, uneven: bool) -> Any:
     """Return the compiled function of the share of the light's power that a bead absorbs, (n,).
 
     Its arguments are positions (n, 3), m, and the data of `waves_kernel`. The share is NaN where a
     bead is too far from the focus for every rule.
     """
-    add_up = _summed(moment=True)
+    add_up, room_with = _summed(moment=True, uneven=uneven), _room(uneven=uneven)
 
     @cached_njit(ABSORPTION, error_model="numpy", nogil=True)
     def absorbed(positions, data):  # type: ignore[no-untyped-def]
         """Return the share of the light's power that beads at positions (n, 3), m, absorb, (n,)."""
         source = source_of(data, SOURCE)
-        room = room_for(source)
+        room = room_with(source, data)
         sums, out = np.empty(_FOUND), np.empty(positions.shape[0])
         unit = number(data, STRENGTH) / number(data, OF_ALL)
         for at in range(positions.shape[0]):

@@ -13,7 +13,7 @@ from tweezer.forces.equilibria import Search
 from tweezer.forces.rings import Box
 from tweezer.optics.beam import cone, relative_radius
 from tweezer.optics.light import SPEED_OF_LIGHT, Light, jones_vector
-from tweezer.optics.waves.focus import Face, Focus, State, states
+from tweezer.optics.waves.focus import Face, Focus, State, of_harmonics, states
 from tweezer.optics.waves.pupil import Pupil
 from tweezer.scene import Scene
 from tweezer.scene.theory import FARTHEST_IN_WAVES
@@ -56,12 +56,26 @@ class Waves(Light):
     @property
     def symmetric(self) -> bool:
         """Whether the light is the same all around its axis; see `Light.symmetric`."""
-        return all(len({part.angular_momentum for part in each.parts}) == 1 for each in self.states)
+        one = all(len({part.angular_momentum for part in each.parts}) == 1 for each in self.states)
+        return one and not self.uneven
 
     @property
-    def kinds(self) -> frozenset[tuple[int, bool]]:
+    def uneven(self) -> bool:
+        """Whether the pupil's factor differs around the axis; `states` then do not contain it."""
+        return self.pupil is not None and self.pupil.orders != (0,)
+
+    @property
+    def harmonic_states(self) -> tuple[State, ...]:
+        """Polarised parts of the light with all harmonics of the pupil's factor."""
+        if self.pupil is None:
+            return self.states
+        return of_harmonics(self.states, self.pupil.orders)
+
+    @property
+    def kinds(self) -> frozenset[tuple[int | None, bool]]:
         """Harmonic of the pupil of each part of the light, and whether the part is odd."""
-        return frozenset((part.order, part.odd) for each in self.states for part in each.parts)
+        parts = (part for each in self.harmonic_states for part in each.parts)
+        return frozenset((part.order, part.odd) for part in parts)
 
     @property
     def centre(self) -> Array:
@@ -133,7 +147,7 @@ def waves_on_bead(scene: Scene) -> Waves:
     pupil = None
     if beam.wavefront:
         pupil = Pupil(beam.wavefront, scene.lens.map == "tan", relative_radius(scene))
-    orders = pupil.orders if pupil else (0,)
+    uneven = pupil is not None and pupil.orders != (0,)
     return Waves(
         cone=cone(scene),
         momentum_per_energy=n_m / SPEED_OF_LIGHT,
@@ -144,7 +158,7 @@ def waves_on_bead(scene: Scene) -> Waves:
             jones_vector(beam),
             beam.vortex,
             face=face is not None,
-            orders=orders,
+            uneven=uneven,
         ),
         face=face,
         pupil=pupil,

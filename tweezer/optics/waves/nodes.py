@@ -94,7 +94,7 @@ class Nodes:
 
     focus: Focus
     """the plane waves of the cone"""
-    kinds: frozenset[tuple[int, bool]]
+    kinds: frozenset[tuple[int | None, bool]]
     """harmonic of the pupil of each part of the light, and whether the part is odd in sin(theta)
     (`Part.odd`)"""
     wanted: float

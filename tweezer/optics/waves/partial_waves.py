@@ -185,12 +185,9 @@ def add_part(source, rule, part, azimuth, most, room, low, out):  # type: ignore
     """
     bessel, re, im, work = room.bessel, room.re, room.im, room.work
     highest = source.highest
-    stride = highest + 1
     count, padded = int(source.rules[rule, NODES]), int(source.rules[rule, PADDED])
-    tables = int(source.rules[rule, FIRST_HARMONIC])
     helicity, j = source.parts[part, HELICITY], int(source.parts[part, MOMENTUM])
     c_re, c_im = turned(source.parts[part, RE], source.parts[part, IM], azimuth, j)
-    imaginary = out.size // 2
     for v in range(most + 1):
         for q in range(count):
             work[q] = bessel[v * padded + q] * re[q]
@@ -207,27 +204,39 @@ def add_part(source, rule, part, azimuth, most, room, low, out):  # type: ignore
                 row = -m
                 if m % 2 != 0:
                     sign = -sign
-            low_degree = abs(m) // LANES * LANES
-            width = stride - low_degree
-            table = tables + int(source.begins[row + highest]) * count - low_degree
-            a, b = sign * c_re, sign * c_im
-            to = (m - low) * stride
-            for block in range(low_degree, stride, LANES):
-                sum_re, sum_im = spread(0.0), spread(0.0)
-                other_re, other_im = spread(0.0), spread(0.0)
-                # two sums over every other node: an addition waits for the one before it
-                for q in range(0, count, 2):
-                    f = lanes(source.harmonics, table + q * width + block)
-                    sum_re = sum_re + f * work[q]
-                    sum_im = sum_im + f * work[padded + q]
-                    f = lanes(source.harmonics, table + (q + 1) * width + block)
-                    other_re = other_re + f * work[q + 1]
-                    other_im = other_im + f * work[padded + q + 1]
-                sum_re, sum_im = sum_re + other_re, sum_im + other_im
-                at = to + block
-                store(out, at, lanes(out, at) + a * sum_re - b * sum_im)
-                at += imaginary
-                store(out, at, lanes(out, at) + a * sum_im + b * sum_re)
+            contracted(source, rule, m, row, sign * c_re, sign * c_im, work, low, out)
+
+
+@named_njit(**OPTIONS, forceinline=True)
+def contracted(source, rule, m, row, a, b, work, low, out):  # type: ignore[no-untyped-def]
+    """Add (a + i b) times the sums of harmonics of order `row` and the waves in `work` to `out`.
+
+    `work` contains the real and then the imaginary parts at the nodes of the rule. The sums, one
+    for each degree, are added to the order m of `out`, which is described in `add_part`.
+    """
+    stride, imaginary = source.highest + 1, out.size // 2
+    count, padded = int(source.rules[rule, NODES]), int(source.rules[rule, PADDED])
+    low_degree = abs(m) // LANES * LANES
+    width = stride - low_degree
+    table = int(source.rules[rule, FIRST_HARMONIC]) - low_degree
+    table += int(source.begins[row + source.highest]) * count
+    to = (m - low) * stride
+    for block in range(low_degree, stride, LANES):
+        sum_re, sum_im = spread(0.0), spread(0.0)
+        other_re, other_im = spread(0.0), spread(0.0)
+        # two sums over every other node: an addition waits for the one before it
+        for q in range(0, count, 2):
+            f = lanes(source.harmonics, table + q * width + block)
+            sum_re = sum_re + f * work[q]
+            sum_im = sum_im + f * work[padded + q]
+            f = lanes(source.harmonics, table + (q + 1) * width + block)
+            other_re = other_re + f * work[q + 1]
+            other_im = other_im + f * work[padded + q + 1]
+        sum_re, sum_im = sum_re + other_re, sum_im + other_im
+        at = to + block
+        store(out, at, lanes(out, at) + a * sum_re - b * sum_im)
+        at += imaginary
+        store(out, at, lanes(out, at) + a * sum_im + b * sum_re)
 
 
 @named_njit(**OPTIONS)
