@@ -279,7 +279,7 @@ class Problem:
         return self.body.radius(medium.viscosity) ** 2 * medium.density / medium.viscosity
 
     def foci(self, time: float = 0.0) -> Array:
-        """Return the positions of the beams' foci at a time, s, (beams, 3) m."""
+        """Return the positions about which light is brightest at a time, s, (n, 3) m."""
         return self.light.foci(time)
 
     def equilibria(self, net_force: NetForce) -> tuple[Equilibrium, ...]:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import Chebyshev
 
+from tweezer.optics import shaped
 from tweezer.scene import Scene
 from tweezer.scene.sections import Beam, Lens, Medium
 from tweezer.values.arrays import Array
@@ -118,6 +119,8 @@ def fraction_through_pupil(lens: Lens, beam: Beam) -> float:
     """
     if beam.profile == "uniform":
         return 1.0
+    if beam.shaped:
+        return shaped.fraction(lens, beam)
     if beam.profile == "table":
         _, within = _interpolated(beam)
         fraction = within(min(lens.radius, _outermost(beam))) / within(_outermost(beam))
@@ -222,7 +225,7 @@ def _shape_of_one_watt(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
     Raises `SceneError` if the series does not describe it, see `cone`.
     """
     edge = lens.radius
-    if beam.sigma is not None:
+    if beam.sigma is not None and not beam.shaped:
         edge = min(edge, beam.sigma * math.sqrt(2 * _dark(_ring(beam))))
     elif beam.profile == "table":
         edge = min(edge, _outermost(beam))
@@ -299,8 +302,11 @@ def _points(lens: Lens, beam: Beam, medium: Medium, versine: float) -> Array:
 
 
 def _profile(beam: Beam) -> Profile:
-    """Return the relative intensity in the pupil as a function of rho, m."""
-    if beam.profile == "uniform":
+    """Return the relative intensity in the pupil as a function of rho, m.
+
+    It is even for a beam that is not round, whose shape is in the pupil's factor.
+    """
+    if beam.profile == "uniform" or beam.shaped:
         return np.ones_like
     if beam.profile == "table":
         return _interpolated(beam)[0]

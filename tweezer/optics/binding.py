@@ -19,7 +19,7 @@ from tweezer.optics.worth import ray_optics_warning
 from tweezer.scene import Scene
 from tweezer.scene.choices import THEORIES, at, evaluator
 from tweezer.scene.sections import Beam
-from tweezer.scene.theory import NO_MAP_OF_ABERRATIONS
+from tweezer.scene.theory import NO_MAP_OF_PUPIL
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError, warn
 
@@ -74,13 +74,10 @@ class Beams(Sum):
         )
 
     def foci(self, time: float = 0.0) -> Array:
-        """Return the position about which each beam is brightest at a time, s, (beams, 3) m."""
-        turned = [
-            np.array([1.0, -1.0, -1.0] if each.down else [1.0, 1.0, 1.0]) for each in self.forces
-        ]
-        return np.array([
-            moved.place.at(time) + way * each.light.centre
-            for moved, each, way in zip(self.forces, self.lights, turned, strict=True)
+        """Return the positions about which the beams are brightest at a time, s, (n, 3) m."""
+        return np.concatenate([
+            moved.place.at(time) + each.light.foci * ([1, -1, -1] if moved.down else [1, 1, 1])
+            for moved, each in zip(self.forces, self.lights, strict=True)
         ])  # fmt: skip
 
     def absorbed_power(self, positions: Array, time: float = 0.0) -> Array:
@@ -225,7 +222,7 @@ def force_map(scene: Scene, progress: Progress | None = None) -> Table:
     if scene.bead.shape != "sphere":
         raise SceneError(f"bead.shape = {scene.bead.shape!r}: {_NO_MAP}")
     if not all(beam.even for beam in scene.beams):
-        raise SceneError(NO_MAP_OF_ABERRATIONS)
+        raise SceneError(NO_MAP_OF_PUPIL)
     made: Table = at(THEORIES[scene.theory].map)(scene, progress)
     return made
 

@@ -66,9 +66,9 @@ class Light(ABC):
         """Box in which rings and positions off the axis are searched."""
 
     @property
-    def centre(self) -> Array:
-        """Approximate position of the brightest light from the nominal focus, (3,) m."""
-        return np.zeros(3)
+    def foci(self) -> Array:
+        """Approximate positions of the brightest light from the nominal focus, (n, 3) m."""
+        return np.zeros((1, 3))
 
     def of_radius(self, radius: float) -> Self:
         """Return this light with the sphere scaled to another radius, m."""
@@ -144,8 +144,8 @@ class LightForce(Force):
         return self.light.symmetric
 
     def foci(self, time: float = 0.0) -> Array:  # noqa: ARG002
-        """Return the position about which light is brightest, (1, 3) m; see `Beams.foci`."""
-        return self.light.centre[None]
+        """Return the positions about which light is brightest, (n, 3) m; see `Beams.foci`."""
+        return self.light.foci
 
     @functools.cached_property
     def _parts(self) -> dict[bool, Part]:

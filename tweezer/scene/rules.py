@@ -9,7 +9,7 @@ from tweezer.scene.courses import refusal
 from tweezer.scene.description import FREE, Description
 from tweezer.scene.messages import either
 from tweezer.scene.sections import Beam
-from tweezer.scene.theory import NO_MAP, NO_MAP_OF_ABERRATIONS, named_beams
+from tweezer.scene.theory import NO_MAP, NO_MAP_OF_PUPIL, named_beams
 from tweezer.values.errors import warn
 from tweezer.values.rounding import least
 from tweezer.values.units import TABLE_RADII
@@ -31,7 +31,7 @@ def check(scene: Description) -> None:
             _wider_than_a_square(scene, beam)
     if by and not scene.allows(by):
         uneven = not all(beam.even for beam in scene.beams)
-        raise refusal(NO_MAP_OF_ABERRATIONS if uneven else NO_MAP)
+        raise refusal(NO_MAP_OF_PUPIL if uneven else NO_MAP)
     if scene.lit and scene.theory == "rays":
         _map_of_rays(scene)
     if scene.lens.cover is not None:

@@ -25,10 +25,10 @@ NO_MAP = (
     "beam.polarisation: 'averaged-reflectance', 'circular' or 'unpolarised'"
 )
 
-#: Message for light that has no force map, because its phase differs around the pupil
-NO_MAP_OF_ABERRATIONS = (
-    "optics.evaluator = 'map': requires light whose phase is the same all around the pupil, but "
-    "beam.aberration has terms with m not 0; allowed: auto, quadrature"
+#: Message for light that has no force map, because its pupil differs around the axis
+NO_MAP_OF_PUPIL = (
+    "optics.evaluator = 'map': requires light that is the same all around the pupil, without "
+    "beam.aberration of m not 0, sigma_y, offset and hermite; allowed: auto, quadrature"
 )
 
 
@@ -145,6 +145,8 @@ def _beyond_rays(bead: Bead, lens: Lens, beams: Sequence[Beam]) -> Iterator[str]
     for name, beam in named_beams(beams):
         if beam.wavefront:
             yield f"{name}.aberration"
+        if beam.shaped:
+            yield f"{name}.sigma_y, offset or hermite"
         if beam.vortex:
             yield f"{name}.vortex = {beam.vortex}"
         if _about_the_axis(beam):

@@ -7,14 +7,12 @@ import functools
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from tweezer.forces.equilibria import Search
 from tweezer.forces.rings import Box
 from tweezer.optics.beam import cone, relative_radius
 from tweezer.optics.light import SPEED_OF_LIGHT, Light, jones_vector
 from tweezer.optics.waves.focus import Face, Focus, State, of_harmonics, states
-from tweezer.optics.waves.pupil import Pupil
+from tweezer.optics.waves.pupil import Pupil, Shape
 from tweezer.scene import Scene
 from tweezer.scene.theory import FARTHEST_IN_WAVES
 from tweezer.values.arrays import Array
@@ -78,11 +76,9 @@ class Waves(Light):
         return frozenset((part.order, part.odd) for part in parts)
 
     @property
-    def centre(self) -> Array:
-        """See `Light.centre`."""
-        if self.pupil is None:
-            return np.zeros(3)
-        return np.array(self.pupil.centre) / self.wavenumber
+    def foci(self) -> Array:
+        """See `Light.foci`."""
+        return super().foci if self.pupil is None else self.pupil.foci / self.wavenumber
 
     @property
     def farthest(self) -> float:
@@ -145,8 +141,10 @@ def waves_on_bead(scene: Scene) -> Waves:
     vacuum = 2 * math.pi / beam.wavelength
     face = None if cover is None else Face(cover.refractive_index, n_m, vacuum * cover.depth)
     pupil = None
-    if beam.wavefront:
-        pupil = Pupil(beam.wavefront, scene.lens.map == "tan", relative_radius(scene))
+    if beam.wavefront or beam.shaped:
+        of_one_watt = beam.model_copy(update={"power": None, "power_through_pupil": 1.0})
+        shape = Shape(of_one_watt, scene.lens.radius) if beam.shaped else None
+        pupil = Pupil(beam.wavefront, scene.lens.map == "tan", relative_radius(scene), shape)
     uneven = pupil is not None and pupil.orders != (0,)
     return Waves(
         cone=cone(scene),

@@ -1,12 +1,13 @@
-"""Phase of the light over the pupil, as azimuthal harmonics of its complex factor T(rho, phi).
+"""Light over the pupil, as azimuthal harmonics of its complex factor T(rho, phi).
 
 rho is the distance from the axis over the pupil's radius R, and phi the azimuth of the plane wave
 that comes from there. An aberration gives the light the factor
 
     T = exp(2 pi i sum_nm c_nm Z_n^m(rho, phi)) = sum_q t_q(rho) exp(i q phi).
 
-A harmonic q adds q to the angular momentum of the light about the axis, so each is a part of the
-light of its own. t_q(rho) is rho^|q| times an even function of rho.
+The amplitude of a beam that is not round (`tweezer.optics.shaped`), over its root mean square in
+the pupil, is another factor. A harmonic q adds q to the angular momentum of the light about the
+axis, so each is a part of the light of its own. t_q(rho) is rho^|q| times an even function of rho.
 """
 
 from __future__ import annotations
@@ -17,7 +18,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter
 
+from tweezer.optics.shaped import amplitude, mean_intensity
+from tweezer.scene.sections import Beam
 from tweezer.scene.sections.pupil import Zernike
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
@@ -26,13 +30,31 @@ ComplexArray = NDArray[np.complex128]
 
 #: Harmonics below this part of the light's amplitude are left out
 _NONE = 1e-13
+#: Search for foci: half the number of steps aside, their length over 1/(k sin(theta)), the number
+#: of rings of the pupil, intensity of a focus over the highest, and the largest number of foci
+_ASIDE, _APART, _RINGS, _BRIGHT, _MOST_FOCI = 24, 0.5, 32, 0.3, 8
 #: Numbers of azimuths at which T is sampled, and of radii at which its harmonics are compared
 _FEWEST_AZIMUTHS, _MOST_AZIMUTHS, _RADII = 32, 4096, 129
 
 
 @dataclass(frozen=True)
+class Shape:
+    """Amplitude over the pupil of a beam that is not round."""
+
+    beam: Beam
+    radius: float
+    """of the pupil, m"""
+
+    def amplitude(self, rho: Array, phi: Array) -> Array:
+        """Return the amplitude over its root mean square at radii (n,) and azimuths (m,)."""
+        r = self.radius * rho[:, None]
+        found = amplitude(self.beam, r * np.cos(phi), r * np.sin(phi))
+        return np.asarray(found / math.sqrt(mean_intensity(self.radius, self.beam)))
+
+
+@dataclass(frozen=True)
 class Pupil:
-    """Phase of the light over the pupil."""
+    """Complex factor of the light over the pupil."""
 
     wavefront: tuple[Zernike, ...]
     """terms of the phase, with amounts in waves"""
@@ -40,6 +62,8 @@ class Pupil:
     """whether rho is proportional to tan(theta), as in the tan map, or to sin(theta)"""
     scale: float
     """rho over tan(theta) or sin(theta)"""
+    shape: Shape | None = None
+    """amplitude of a beam that is not round; None for a round beam"""
 
     def radius(self, below: Array) -> Array:
         """Return rho at 1 - cos(theta) = `below`, where theta is the angle behind the lens."""
@@ -52,7 +76,10 @@ class Pupil:
         for term in self.wavefront:
             turning = np.cos(term.m * phi) if term.m >= 0 else np.sin(-term.m * phi)
             waves += term.amount * zernike_radial(term.n, abs(term.m), rho)[:, None] * turning
-        return np.asarray(np.exp(2j * math.pi * waves))
+        found: ComplexArray = np.exp(2j * math.pi * waves)
+        if self.shape is not None:
+            found = found * self.shape.amplitude(rho, phi)
+        return found
 
     @functools.cached_property
     def orders(self) -> tuple[int, ...]:
@@ -63,6 +90,7 @@ class Pupil:
         rho = np.linspace(0.0, 1.0, _RADII)
         count = self._azimuths
         sizes = np.abs(self._transformed(rho, count)).max(axis=0)
+        sizes /= sizes.max()
         orders = np.fft.fftfreq(count, 1 / count).astype(int)
         return tuple(sorted(orders[sizes > _NONE].tolist()))
 
@@ -73,12 +101,13 @@ class Pupil:
         count = _FEWEST_AZIMUTHS
         while count <= _MOST_AZIMUTHS:
             sizes = np.abs(self._transformed(rho, count)).max(axis=0)
+            sizes /= sizes.max()
             if sizes[count // 4 : count - count // 4 + 1].max() < _NONE:
                 return count
             count *= 2
         raise SceneError(
-            f"beam.aberration: needs more than {_MOST_AZIMUTHS // 4} azimuthal harmonics; reduce "
-            "the amounts"
+            f"beam: the pupil needs more than {_MOST_AZIMUTHS // 4} azimuthal harmonics; reduce "
+            "the aberration or the offset"
         )
 
     def _transformed(self, rho: Array, count: int) -> ComplexArray:
@@ -90,16 +119,43 @@ class Pupil:
         """Return t_q of the order q at 1 - cos(theta) = `below`."""
         return self._transformed(self.radius(below), self._azimuths)[:, order]
 
+    @functools.cached_property
+    def foci(self) -> Array:
+        """Positions about which light is bright, (n, 3) in 1/k of the medium before a cover.
+
+        They are the highest maxima of the intensity, for light without polarisation, in the plane
+        where tilt and defocus place the focus.
+        """
+        centre, sine = np.array(self._centre), self._outermost
+        aside = np.arange(-_ASIDE, _ASIDE + 1) * _APART / sine
+        rho = (np.arange(_RINGS) + 0.5) / _RINGS
+        phi = 2 * math.pi * np.arange(self._azimuths) / self._azimuths
+        light = self.factor(rho, phi) * rho[:, None]
+        directions = sine * rho[:, None, None] * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+        height = np.sqrt(1 - np.minimum(sine * rho, 1.0)[:, None] ** 2) * centre[2]
+        light = light * np.exp(1j * (directions @ centre[:2] + height))
+        x, y = (np.exp(1j * np.multiply.outer(aside, directions[..., i])) for i in (0, 1))
+        size = len(aside)
+        field = (x * light).reshape(size, -1) @ y.reshape(size, -1).T
+        bright = np.abs(field) ** 2
+        peaks = (maximum_filter(bright, 3) == bright) & (bright > _BRIGHT * bright.max())
+        found = np.argwhere(peaks)[np.argsort(-bright[peaks])][:_MOST_FOCI]
+        return centre + np.column_stack([aside[found], np.zeros(len(found))])
+
     @property
-    def centre(self) -> tuple[float, float, float]:
-        """Position of the focus, in 1/k of the medium before a cover, to the first order of tilt
-        and defocus.
+    def _outermost(self) -> float:
+        """Sine of the angle of the plane wave from the rim of the pupil."""
+        return 1 / math.hypot(self.scale, 1.0) if self.tangent else 1 / self.scale
+
+    @property
+    def _centre(self) -> tuple[float, float, float]:
+        """Position of the focus to the first order of tilt and defocus, in the unit of `foci`.
 
         It is where the phase k s.r cancels the terms in rho cos(phi), rho sin(phi) and rho^2, for
         the sine of the outermost wave.
         """
         amounts = {(each.n, each.m): 2 * math.pi * each.amount for each in self.wavefront}
-        sine = 1 / math.hypot(self.scale, 1.0) if self.tangent else 1 / self.scale
+        sine = self._outermost
         x, y = (-2 * amounts.get((1, m), 0.0) / sine for m in (1, -1))
         return x, y, 4 * math.sqrt(3) * amounts.get((2, 0), 0.0) / sine**2
 

@@ -177,6 +177,11 @@ class Beam(OfPupil):
         """
         if not isinstance(data, dict):
             return data
+        for key, other in (("sigma", "sigma_y"), ("waist", "waist_y")):
+            if isinstance(data.get(key), list | tuple) and len(data[key]) == 2:
+                data = {**data, key: data[key][0], other: data[key][1]}
+        if "waist_y" in data:
+            data = with_half(data, "sigma_y", "waist_y", *BEAM_SIGMA)
         if "waist" in data:
             data = with_half(data, "sigma", "waist", *BEAM_SIGMA)
         if data.get("polarisation") == "linear" and data.get("jones") is None:
@@ -200,6 +205,23 @@ class Beam(OfPupil):
                 if key == "sigma":
                     raise refusal(f"{name}: one is required")
                 raise refusal(f"{key}: missing; {chooser} = {choice!r} requires it")
+        return self
+
+    @model_validator(mode="after")
+    def _round_or_gaussian(self) -> Self:
+        """Refuse an elliptical, off-centre or Hermite-Gaussian beam that is not Gaussian or has a
+        vortex.
+        """
+        keys = [
+            key for key in ("sigma_y", "offset", "hermite", "angle")
+            if getattr(self, key) not in (None, 0.0, (0.0, 0.0))
+        ]  # fmt: skip
+        if keys and self.profile != "gaussian":
+            raise refusal(f"{keys[0]}: requires profile = 'gaussian'; remove it")
+        if keys and self.vortex:
+            raise refusal(f"{keys[0]}: cannot be combined with a vortex; remove one of them")
+        if keys == ["angle"]:
+            raise refusal("angle: requires sigma_y or hermite; remove it")
         return self
 
     @model_validator(mode="after")

@@ -1,17 +1,19 @@
-"""Keys of a beam that describe its phase over the pupil."""
+"""Keys of a beam whose amplitude or phase differs around the pupil."""
 
 from __future__ import annotations
 
 from typing import Annotated, Literal, NamedTuple, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, StrictInt, model_validator
 
 from tweezer.scene.courses import Section, refusal
-from tweezer.values.units import Quantity, entries
+from tweezer.values.units import Angle, BeamSigma, Quantity, entries
 
 #: Largest radial order of a Zernike term, and its largest amount, waves
 _MOST_ORDERS, _MOST_WAVES = 40, 5.0
 
+Offset = Annotated[float, Quantity("m", -1, 1)]
+Order = Annotated[StrictInt, Field(ge=0, le=20)]
 Term = Annotated[tuple[Annotated[float, Quantity("", -2000, 2000)], ...], entries(2, 3)]
 Terms = Annotated[tuple[Term, ...], entries(1, 500)]
 
@@ -52,7 +54,23 @@ _INDICES = {"osa": (0, _of_osa), "noll": (1, _of_noll)}
 
 
 class OfPupil(Section):
-    """Base of a beam, with its phase over the pupil."""
+    """Base of a beam, with its phase and its shape over the pupil."""
+
+    sigma_y: BeamSigma | None = Field(
+        None, description="standard deviation of an elliptical Gaussian beam along its own y axis; "
+        "`sigma` is then along x. `sigma = [a, b]` or `waist = [a, b]` sets both. Requires wave "
+        "optics, as the next three keys. Default: sigma"
+    )  # fmt: skip
+    angle: Angle = Field(
+        0.0, description="angle by which an elliptical or Hermite-Gaussian beam is turned about "
+        "the axis, from x to y"
+    )  # fmt: skip
+    offset: Annotated[tuple[Offset, Offset], entries(2)] = Field(
+        (0.0, 0.0), description="centre of a Gaussian beam in the pupil, x and y"
+    )
+    hermite: Annotated[tuple[Order, Order], entries(2)] = Field(
+        (0, 0), description="orders of a Hermite-Gaussian beam along its x and y axis"
+    )
 
     aberration: Terms | None = Field(
         None,
@@ -81,9 +99,14 @@ class OfPupil(Section):
         return tuple(Zernike(n, m, amount) for (n, m), amount in sorted(found.items()) if amount)
 
     @property
+    def shaped(self) -> bool:
+        """Whether the beam is elliptical, off-centre or Hermite-Gaussian."""
+        return self.sigma_y is not None or any(self.offset) or any(self.hermite)
+
+    @property
     def even(self) -> bool:
-        """Whether the phase is the same all around the pupil."""
-        return all(each.m == 0 for each in self.wavefront)
+        """Whether amplitude and phase are the same all around the pupil."""
+        return not self.shaped and all(each.m == 0 for each in self.wavefront)
 
     @model_validator(mode="after")
     def _terms_exist(self) -> Self:

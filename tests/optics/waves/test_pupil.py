@@ -201,7 +201,7 @@ def test_wrong_aberrations_are_refused_in_one_line(beam, said):
 def test_rays_and_maps_refuse_aberrations():
     with pytest.raises(SceneError, match=r"beam\.aberration requires wave optics"):
         EVEN.replace(beam={"aberration": [[4, 0, 0.1]]}, optics={"theory": "rays"})
-    with pytest.raises(SceneError, match="requires light whose phase is the same all around"):
+    with pytest.raises(SceneError, match="requires light that is the same all around the pupil"):
         EVEN.replace(beam={"aberration": [[2, 2, 0.1]]}, optics={"evaluator": "map"})
 
 
@@ -228,3 +228,107 @@ def test_torque_and_absorbed_power_of_an_absorbing_bead():
         (tweezer.absorbed_power(scene, PLACES), expected.absorbed),
     ):
         np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-9 * np.abs(wanted).max())
+
+
+# --- beams that are not round ---------------------------------------------------------------------
+
+R = 2.5e-3
+SHAPES = {
+    "elliptical": {"sigma": [0.8e-3, 1.6e-3]},
+    "elliptical, turned": {"sigma": [0.8e-3, 1.6e-3], "angle": 0.5},
+    "off-centre": {"sigma": 1.2e-3, "offset": [0.6e-3, -0.3e-3]},
+    "Hermite-Gaussian 1, 0": {"sigma": 0.8e-3, "hermite": [1, 0]},
+    "Hermite-Gaussian 1, 2, turned": {"sigma": [0.7e-3, 0.8e-3], "hermite": [1, 2], "angle": 0.3},
+}
+
+
+def shaped(beam, **changes):
+    described = EVEN.model_dump(exclude_none=True)
+    described["beam"] |= {"profile": "gaussian", **beam, **changes}
+    return tweezer.load_scene(described)
+
+
+def hermite(n, u):
+    return {0: 1 + 0 * u, 1: 2 * u, 2: 4 * u**2 - 2}[n]
+
+
+def amplitude(beam, x, y):
+    a, b = np.broadcast_to(beam["sigma"], 2)
+    x0, y0 = beam.get("offset", (0, 0))
+    turn = np.exp(-1j * beam.get("angle", 0.0)) * ((x - x0) + 1j * (y - y0))
+    u, v = turn.real / (math.sqrt(2) * a), turn.imag / (math.sqrt(2) * b)
+    p, q = beam.get("hermite", (0, 0))
+    return hermite(p, u) * hermite(q, v) * np.exp(-(u**2 + v**2) / 2)
+
+
+def power_within(beam, radius):
+    """Return the integral of the squared amplitude over a disc, by a square grid of midpoints."""
+    n = 3000
+    x = radius * (2 * np.arange(n) + 1 - n) / n
+    inside = np.hypot(x[:, None], x) < radius
+    return (amplitude(beam, x[:, None], x) ** 2 * inside).sum() * (2 * radius / n) ** 2
+
+
+@pytest.mark.parametrize("beam", SHAPES.values(), ids=SHAPES.keys())
+def test_force_of_a_beam_that_is_not_round_is_that_of_plane_waves(beam):
+    def factor(theta, phi):
+        rho = R * np.sin(theta) / math.sin(ANGLE)
+        return amplitude(beam, rho * np.cos(phi), rho * np.sin(phi))
+
+    light = Light(N_M, VACUUM, ANGLE, lens(ANGLE), (1, 0), 0, None, factor, 90)
+    expected = push(light, Sphere(((0.5e-6, 1.45),)), PLACES).force
+    found = tweezer.optical_force(shaped(beam), PLACES)
+    scale = (found * expected).sum() / (expected**2).sum()
+    np.testing.assert_allclose(found, scale * expected, rtol=0, atol=1e-9 * np.abs(found).max())
+    # 1 W through the pupil: the mean of the squared amplitude over the pupil is divided out
+    mean = power_within(beam, R) / (math.pi * R**2)
+    assert scale == pytest.approx(1 / mean, rel=1e-4)
+
+
+@pytest.mark.parametrize("beam", SHAPES.values(), ids=SHAPES.keys())
+def test_power_before_the_pupil_is_the_power_of_the_whole_beam(beam):
+    whole = shaped(beam, power=1.0, power_through_pupil=None)
+    share = power_within(beam, R) / power_within(beam, 6 * R)
+    found = tweezer.optical_force(whole, PLACES) / tweezer.optical_force(shaped(beam), PLACES)
+    np.testing.assert_allclose(found, share, rtol=1e-3)
+
+
+def test_round_beam_given_as_an_ellipse_is_the_round_beam():
+    here = tweezer.optical_force(shaped({"sigma": 1.1e-3}), PLACES)
+    there = tweezer.optical_force(shaped({"sigma": [1.1e-3, 1.1e-3], "angle": 1.0}), PLACES)
+    np.testing.assert_allclose(there, here, rtol=0, atol=1e-11 * np.abs(here).max())
+
+
+@pytest.mark.parametrize(
+    ("beam", "said"),
+    [
+        ({"sigma": [1e-3, 2e-3], "profile": "donut"}, "sigma_y: requires profile = 'gaussian'"),
+        ({"sigma": 1e-3, "vortex": 1, "hermite": [1, 0]}, "cannot be combined with a vortex"),
+        ({"sigma": 1e-3, "angle": 0.3}, "angle: requires sigma_y or hermite"),
+        ({"sigma": 1e-3, "hermite": [1.5, 0]}, "hermite"),
+        ({"sigma": 1e-3, "hermite": [21, 0]}, "hermite"),
+        ({"sigma": [1e-3, 1e-3, 1e-3]}, "sigma"),
+        ({"sigma": 1e-3, "offset": [1e-3]}, "offset"),
+        ({"sigma": [1e-3, 0]}, "sigma_y"),
+    ],
+)
+def test_wrong_shapes_are_refused_in_one_line(beam, said):
+    with pytest.raises(SceneError, match=said) as refusal:
+        shaped(beam)
+    assert "\n" not in str(refusal.value)
+
+
+def test_beam_beside_the_pupil_is_refused():
+    scene = shaped({"sigma": 0.1e-3, "offset": [2.5e-3 + 1e-3, 0]})
+    with pytest.raises(SceneError, match="almost no light within"):
+        tweezer.optical_force(scene, PLACES)
+
+
+def test_bead_is_held_in_a_lobe_of_a_hermite_gaussian_beam():
+    """Both lobes hold it, at mirrored positions, where the force vanishes."""
+    scene = shaped({"sigma": 0.8e-3, "hermite": [1, 0]}).replace(bead={"diameter": "0.3 um"})
+    found = tweezer.characterise(scene).equilibria
+    x = sorted(each.position[0] for each in found if each.stable and abs(each.position[2]) < 1e-6)
+    assert len(x) == 2
+    assert x[0] == pytest.approx(-x[1], rel=1e-6)
+    assert x[1] > 0.15e-6
