@@ -22,7 +22,7 @@ from tweezer.scene import Scene
 _FINER = 0.01
 
 _SOURCES = sources(
-    "compiled.lanes", "generated.waves", "optics.polynomials",
+    "compiled.lanes", "generated.waves", "optics.polynomials", "optics.shaped",
     *(
         f"optics.waves.{name}"
         for name in (
