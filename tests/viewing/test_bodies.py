@@ -111,6 +111,24 @@ def test_forces_on_a_body_add_to_its_acceleration(rod):
     assert np.abs(arrays["force_drag"].values()[middle]).max() > 1e3 * np.abs(total[middle]).max()
 
 
+def test_drag_of_an_unequal_pair_depends_on_its_rotation():
+    """Without other forces, drag is mass times acceleration. It couples velocity and rotation."""
+    spheres = [
+        {"diameter": d * UM, "refractive_index": 1.57, "position": [0, 0, z * UM]}
+        for d, z in ((0.5, -0.25), (0.3, 0.15))
+    ]
+    scene = scene_of(
+        "spheres", {"spheres": spheres}, forces={"gravity": False, "buoyancy": False},
+        medium={"inertia": "none"}, start={"position": [0, 0, 0], "angular_velocity": [0, 1e4, 0]},
+        simulation={"model": "full", "method": "auto", "duration": 1e-7, "samples": 401},
+    )  # fmt: skip
+    run = tweezer.simulate(scene)
+    change = scene.body.mass * np.gradient(run["velocity"].values, run["time"].values, axis=0)
+    drag = tweezer.view(run).content.arrays["force_drag"].values()
+    middle = slice(3, -3)
+    assert drag[middle] == pytest.approx(change[middle], abs=2e-3 * np.abs(drag).max())
+
+
 def test_energy_given_to_the_water_is_what_drag_dissipates(rod):
     """The integral of the power, from the resistance in the laboratory's frame.
 
