@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import solve_continuous_lyapunov
 from scipy.spatial.transform import Rotation
 
 import tweezer
-from tweezer.dynamics.poses import PoseSearch
+from tweezer.dynamics.poses import POSE_NORMALS, PoseSearch
 
 #: A disc stands on its edge and turns about the axis of the light
 DISC = tweezer.load_scene("polystyrene-500nm").replace(
@@ -142,3 +143,13 @@ def test_cluster_of_one_sphere_orbits_on_the_ring_of_the_sphere():
     mobility = tweezer.resistance(cluster).mobility[0, 0]
     rates = mobility * np.sort(np.linalg.eigvals(ring.stiffness).real)
     assert np.array(found.relaxation_rates)[-2:, 0] == pytest.approx(rates, rel=1e-3)
+    # releases are uniform around the orbit, and their variances have standard errors of 2.2 %
+    n, kT = 4000, 1e-3 * 1.380649e-23 * sphere.medium.temperature  # so that the motion is linear
+    normals = np.random.default_rng(4).normal(size=(n, POSE_NORMALS))
+    positions, _ = PoseSearch(cluster).drawn(found, kT, normals)
+    across = np.hypot(positions[:, 0], positions[:, 1])
+    expected = solve_continuous_lyapunov(np.array(ring.stiffness), 2 * kT * np.eye(2))
+    spread = np.var([across, positions[:, 2]], axis=1)
+    np.testing.assert_allclose(spread, np.diag(expected), rtol=4 * np.sqrt(2 / n))
+    angle = np.arctan2(positions[:, 1], positions[:, 0])
+    assert abs(np.exp(1j * angle).mean()) < 4 / np.sqrt(n)
