@@ -24,7 +24,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 from scipy.constants import c as SPEED_OF_LIGHT
 
-Polarisation = tuple[complex, complex] | str
+Polarisation = tuple[complex, complex] | str | Callable
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,8 @@ class Light:
     W: Callable
     """W/sr of the angle to the axis; before the face of a cover"""
     polarisation: Polarisation = "unpolarised"
-    """a Jones vector in the pupil of norm 1, or "unpolarised", "radial", "azimuthal" """
+    """a Jones vector in the pupil of norm 1, as a function of the azimuth or constant, or
+    "unpolarised", "radial", "azimuthal" """
     vortex: int = 0
     """l of a factor exp(i l phi) over the pupil"""
     cover: tuple[float, float] | None = None
@@ -88,6 +89,9 @@ class Light:
             "radial": [(np.cos(phi), np.sin(phi))],
             "azimuthal": [(-np.sin(phi), np.cos(phi))],
         }
+        given = self.polarisation
+        if callable(given):
+            states = {given: [given(phi)]}
         g = [
             (
                 p[:, None] * (a * np.cos(phi) + b * np.sin(phi)) * pupil,

@@ -221,7 +221,7 @@ def force_map(scene: Scene, progress: Progress | None = None) -> Table:
         raise SceneError("optics.evaluator = 'map': requires light, but the scene is dark")
     if scene.bead.shape != "sphere":
         raise SceneError(f"bead.shape = {scene.bead.shape!r}: {_NO_MAP}")
-    if not all(beam.even for beam in scene.beams):
+    if not all(beam.mappable for beam in scene.beams):
         raise SceneError(NO_MAP_OF_PUPIL)
     made: Table = at(THEORIES[scene.theory].map)(scene, progress)
     return made

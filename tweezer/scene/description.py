@@ -94,8 +94,8 @@ class Description(Section):
     def allows(self, by: Evaluator) -> bool:
         """Return whether the light has the symmetry that an evaluator requires."""
         linear = any(beam.polarisation == "linear" for beam in self.beams)
-        uneven = by.name == "map" and not all(beam.even for beam in self.beams)
-        return not (self.theory in by.symmetric and linear) and not uneven
+        unmapped = by.name == "map" and not all(beam.mappable for beam in self.beams)
+        return not (self.theory in by.symmetric and linear) and not unmapped
 
     @property
     def start_position(self) -> tuple[float, float, float]:

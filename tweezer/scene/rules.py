@@ -30,8 +30,8 @@ def check(scene: Description) -> None:
         if scene.lit and scene.optics.evaluator == "grid":
             _wider_than_a_square(scene, beam)
     if by and not scene.allows(by):
-        uneven = not all(beam.even for beam in scene.beams)
-        raise refusal(NO_MAP_OF_PUPIL if uneven else NO_MAP)
+        unmapped = not all(beam.mappable for beam in scene.beams)
+        raise refusal(NO_MAP_OF_PUPIL if unmapped else NO_MAP)
     if scene.lit and scene.theory == "rays":
         _map_of_rays(scene)
     if scene.lens.cover is not None:

@@ -28,7 +28,8 @@ NO_MAP = (
 #: Message for light that has no force map, because its pupil differs around the axis
 NO_MAP_OF_PUPIL = (
     "optics.evaluator = 'map': requires light that is the same all around the pupil, without "
-    "beam.aberration of m not 0, sigma_y, offset and hermite; allowed: auto, quadrature"
+    "beam.aberration of m not 0, sigma_y, offset, hermite, or order beyond 0 and 1; allowed: auto, "
+    "quadrature"
 )
 
 
@@ -149,7 +150,7 @@ def _beyond_rays(bead: Bead, lens: Lens, beams: Sequence[Beam]) -> Iterator[str]
             yield f"{name}.sigma_y, offset or hermite"
         if beam.vortex:
             yield f"{name}.vortex = {beam.vortex}"
-        if _about_the_axis(beam):
+        if _about_the_axis(beam) or beam.polarisation == "cylindrical":
             yield f"{name}.polarisation = {beam.polarisation!r}"
 
 

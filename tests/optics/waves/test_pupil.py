@@ -60,6 +60,13 @@ def reference(terms, polarisation=(1, 0), vortex=0, cover=None, kind="sine"):
     return Light(N_M, VACUUM, angle, W, polarisation, vortex, cover, factor, uneven)
 
 
+def cylindrical(order, phase=0.0):
+    """Return the light and the keys of cylindrical polarisation."""
+    light = {"polarisation": lambda phi: (np.cos(order * phi + phase), np.sin(order * phi + phase))}
+    keys = {"polarisation": "cylindrical", "order": order, "order_phase": phase}
+    return light, keys
+
+
 CASES = {
     "tilt": ([(1, 1, 0.3), (1, -1, -0.2)], {}, {}),
     "defocus": ([(2, 0, 0.25)], {}, {}),
@@ -78,6 +85,9 @@ CASES = {
     "behind a cover": ([(2, 2, 0.1), (3, 1, 0.05)], {"cover": (1.518, 5e-6)}, {}),
     "tan map": ([(2, 2, 0.1), (3, -1, 0.1)], {"kind": "tan"}, {}),
     "radial": ([(3, 1, 0.1)], {"polarisation": "radial"}, {"polarisation": "radial"}),
+    "cylindrical 2": ([(4, 0, 0.05)], *cylindrical(2)),
+    "cylindrical 0": ([(4, 0, 0.05)], *cylindrical(0, 0.4)),
+    "cylindrical -3, coma": ([(3, 1, 0.1)], *cylindrical(-3, 0.7)),
 }  # fmt: skip
 
 
@@ -190,6 +200,8 @@ def test_indices_are_those_of_their_convention(order, index, indices):
         ({"aberration": []}, "1 to 500"),
         ({"aberration": "astigmatism"}, "aberration"),
         ({"aberration_order": "osa"}, "applies to terms"),
+        ({"order": 2}, "order: does not apply to polarisation"),
+        ({"order_phase": 0.5}, "order_phase: requires polarisation = 'cylindrical'"),
     ],
 )
 def test_wrong_aberrations_are_refused_in_one_line(beam, said):
@@ -201,8 +213,9 @@ def test_wrong_aberrations_are_refused_in_one_line(beam, said):
 def test_rays_and_maps_refuse_aberrations():
     with pytest.raises(SceneError, match=r"beam\.aberration requires wave optics"):
         EVEN.replace(beam={"aberration": [[4, 0, 0.1]]}, optics={"theory": "rays"})
-    with pytest.raises(SceneError, match="requires light that is the same all around the pupil"):
-        EVEN.replace(beam={"aberration": [[2, 2, 0.1]]}, optics={"evaluator": "map"})
+    for beam in ({"aberration": [[2, 2, 0.1]]}, {"aberration": None, **cylindrical(2)[1]}):
+        with pytest.raises(SceneError, match="requires light that is the same all around"):
+            scene_with([(4, 0, 0.1)], beam).replace(optics={"evaluator": "map"})
 
 
 def test_map_of_spherical_aberration_is_the_force():

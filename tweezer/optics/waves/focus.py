@@ -13,6 +13,7 @@ Soc. Am. A 12, 325, 1995).
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -78,7 +79,13 @@ class State:
 
 
 def states(
-    polarisation: str, jones: Array, vortex: int, *, face: bool, uneven: bool = False
+    polarisation: str,
+    jones: Array,
+    vortex: int,
+    *,
+    face: bool,
+    uneven: bool = False,
+    order: tuple[int, float] = (0, 0.0),
 ) -> tuple[State, ...]:
     """Return the polarised states whose forces add up to the force of the light in a pupil.
 
@@ -95,9 +102,16 @@ def states(
     uneven : bool, optional
         Whether the pupil's factor differs around the axis, so that it need not be its own mirror
         image.
+    order : tuple of int and float, optional
+        Order l and angle phi_0, rad, of cylindrical polarisation along (cos, sin)(l phi + phi_0).
     """
     if uneven:
-        return _unmirrored(polarisation, jones, vortex, face)
+        return _unmirrored(polarisation, jones, vortex, face, order)
+    if polarisation == "cylindrical":
+        turn, half = cmath.exp(1j * order[1]), math.sqrt(0.5)
+        of_right = _parts(1, vortex - order[0], half / turn, face)
+        of_left = _parts(-1, vortex + order[0], half * turn, face)
+        return (State(1.0, of_right + of_left),)
     if polarisation in ("radial", "azimuthal"):
         along, half = polarisation == "radial", math.sqrt(0.5)
         plus, minus = (
@@ -121,10 +135,12 @@ def states(
     return _circular(vortex, face, 0.5, 1.0) + _circular(-vortex, face, 0.5, -1.0)
 
 
-def _unmirrored(polarisation: str, jones: Array, vortex: int, face: bool) -> tuple[State, ...]:
+def _unmirrored(
+    polarisation: str, jones: Array, vortex: int, face: bool, order: tuple[int, float]
+) -> tuple[State, ...]:
     """Return the states of the light, without mirror images."""
     if polarisation not in ("linear", "unpolarised"):
-        return states(polarisation, jones, vortex, face=face)
+        return states(polarisation, jones, vortex, face=face, order=order)
     along_x_and_y = ((1.0, 0.0), (0.0, 1.0))
     vectors = along_x_and_y if polarisation == "unpolarised" else ((
         complex(*jones[:2]), complex(*jones[2:]),

@@ -157,6 +157,7 @@ def waves_on_bead(scene: Scene) -> Waves:
             beam.vortex,
             face=face is not None,
             uneven=uneven,
+            order=(beam.order or 0, beam.order_phase),
         ),
         face=face,
         pupil=pupil,

@@ -48,6 +48,7 @@ BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
         "profile_radius": ("profile", ("table",)),
         "profile_intensity": ("profile", ("table",)),
         "jones": ("polarisation", ("linear",)),
+        "order": ("polarisation", ("cylindrical",)),
     },
     "start": {"ball_radius": ("drawn", ("ball",))},
 }

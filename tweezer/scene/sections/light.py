@@ -15,6 +15,7 @@ from tweezer.scene.sections.alternatives import BELONGING, exactly_one, with_hal
 from tweezer.scene.sections.pupil import OfPupil
 from tweezer.values.units import (
     BEAM_SIGMA,
+    Angle,
     BeamSigma,
     PositiveLength,
     Power,
@@ -127,11 +128,19 @@ class Beam(OfPupil):
         None, description="intensities at these radii, in any unit"
     )
     polarisation: Literal[
-        "averaged-reflectance", "circular", "unpolarised", "linear", "radial", "azimuthal"
+        "averaged-reflectance",
+        "circular",
+        "unpolarised",
+        "linear",
+        "radial",
+        "azimuthal",
+        "cylindrical",
     ] = Field(
         "circular",
         description="circular: helicity +1, (1, i) in the pupil; unpolarised; linear: given by "
         "`jones`; radial, azimuthal: along rho or around the axis, requires wave optics; "
+        "cylindrical: along (cos, sin)(l phi + phi_0), with `order` and `order_phase`, requires "
+        "wave optics; "
         "averaged-reflectance: equation (3.17) of the thesis, with R averaged, requires ray "
         "optics. In ray optics, circular and unpolarised are the same: Q is averaged over s and p",
     )
@@ -147,6 +156,11 @@ class Beam(OfPupil):
         'number, text such as "0.5+0.5j", or [real, imaginary], scaled to length 1. Complex '
         "amplitudes give elliptical light; (1, -1j) is circular with helicity -1. Default: along x",
     )
+    order: Annotated[StrictInt, Field(ge=-20, le=20)] | None = Field(
+        None, description="order l of cylindrical polarisation; 1 is radial for a phase of 0, and "
+        "0 is linear"
+    )  # fmt: skip
+    order_phase: Angle = Field(0.0, description="angle phi_0 of cylindrical polarisation")
     torque: Literal["none", "thesis"] = Field(
         "none",
         description="none: no torque on a lossless sphere, and in wave optics the absorption "
@@ -168,6 +182,11 @@ class Beam(OfPupil):
     modulation: Modulation | None = Field(
         None, description="modulation of the power. Default: none"
     )
+
+    @property
+    def mappable(self) -> bool:
+        """Whether a force map has the symmetry of the light about its axis."""
+        return self.even and self.order in (None, 0, 1)
 
     @model_validator(mode="before")
     @classmethod
@@ -220,6 +239,8 @@ class Beam(OfPupil):
             raise refusal(f"{keys[0]}: requires profile = 'gaussian'; remove it")
         if keys and self.vortex:
             raise refusal(f"{keys[0]}: cannot be combined with a vortex; remove one of them")
+        if self.order_phase and self.polarisation != "cylindrical":
+            raise refusal("order_phase: requires polarisation = 'cylindrical'; remove it")
         if keys == ["angle"]:
             raise refusal("angle: requires sigma_y or hermite; remove it")
         return self
