@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation
 from scipy.special import ndtr
 
 from tweezer.dynamics.escape import Escape, escapes, escapes_from_ring
+from tweezer.dynamics.layout import Layout
 from tweezer.fluid.resistance.of_scene import resistance
 from tweezer.optics import Beams, LightForce, light_force
 from tweezer.optics.bodies.by_sums import derivative_of
@@ -52,9 +53,9 @@ _FARTHEST, _TURN = 0.1, 0.3
 _VANISHED = 1e-9
 #: Stiffness that counts as zero, as a part of the largest
 FREE = 1e-7
-#: Number of normal numbers from which a pose is drawn: six displacements, and turns about at most
-#: three axes of the body and the axis of the light
-POSE_NORMALS = 10
+#: Normal numbers from which a pose is drawn: six displacements, and turns about at most three axes
+#: of the body and the axis of the light
+DRAWN = Layout({"displacement": 6, "turn": 4})
 #: Distance of two equilibria that are the same, in radii, and angle, rad
 _SAME, _SAME_ANGLE = 1e-4, 1e-3
 
@@ -270,7 +271,7 @@ class PoseSearch:
             Stable equilibrium.
         kT : float
             Thermal energy, J.
-        normals : ndarray, shape (n, POSE_NORMALS)
+        normals : ndarray, shape (n, DRAWN.width)
             Standard normal numbers.
 
         Returns
@@ -288,8 +289,8 @@ class PoseSearch:
         noise = 2 * kT * ways.T @ np.linalg.inv(self._drag(e)) @ ways
         covariance = solve_continuous_lyapunov(decay, noise)
         root = ways @ np.linalg.cholesky(0.5 * (covariance + covariance.T))
-        moved = normals[:, : root.shape[1]] @ root.T
-        angles = 2 * math.pi * ndtr(normals[:, 6:])
+        moved = normals[:, DRAWN.at("displacement")][:, : root.shape[1]] @ root.T
+        angles = 2 * math.pi * ndtr(normals[:, DRAWN.at("turn")])
         turned = Rotation.from_rotvec(moved[:, ANGLE] / self.length) * _rotation(e)
         for axis, angle in zip(self.axes, angles.T, strict=False):
             turned = turned * Rotation.from_rotvec(angle[:, None] * axis)

@@ -280,7 +280,11 @@ class Problem:
 
     def foci(self, time: float = 0.0) -> Array:
         """Return the positions about which light is brightest at a time, s, (n, 3) m."""
-        return self.light.foci(time)
+        return (
+            self.light.foci(time)
+            if isinstance(self.light, LightForce | Beams)
+            else np.zeros((1, 3))
+        )
 
     def equilibria(self, net_force: NetForce) -> tuple[Equilibrium, ...]:
         """Return the positions where a net force vanishes.

@@ -198,7 +198,7 @@ class Walk:
         the twists V have the covariance kT M^-1. Otherwise the body has the initial velocities of
         the scene.
         """
-        from tweezer.dynamics.poses import POSE_NORMALS  # spheres do without
+        from tweezer.dynamics import poses  # spheres do without
 
         start, pose, n = self.scene.start, self.problem.pose, len(trajectories)
         assert pose is not None  # a scene without one is refused
@@ -206,10 +206,11 @@ class Walk:
         twists = np.zeros((n, 6))
         twists[:, ROTATION] = start.angular_velocity
         if thermal:
-            normals = np.empty((6 + POSE_NORMALS, n))
+            drawn = Layout({"twist": twists.shape[1], "pose": poses.DRAWN.width})
+            normals = np.empty((drawn.width, n))
             noise.normals(self.seed, trajectories, 0, noise.START, normals)
-            twists = math.sqrt(self.plan.kT) * normals[:6].T @ body.velocities.T
-            x, e = self.problem.poses.drawn(pose, self.plan.kT, normals[6:].T)
+            twists = math.sqrt(self.plan.kT) * normals[drawn.at("twist")].T @ body.velocities.T
+            x, e = self.problem.poses.drawn(pose, self.plan.kT, normals[drawn.at("pose")].T)
         turned = rotation_matrices(e)
         v, w = (
             np.einsum("nij,nj->ni", turned, twists[:, part]) for part in (TRANSLATION, ROTATION)
