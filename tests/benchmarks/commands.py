@@ -49,7 +49,6 @@ INPUTS: dict[str, tuple[str, ...]] = {
         "run", "silica-1um", "--set", "forces.brownian=true", "--set", "simulation.samples=50001",
         "--duration", "1 s", "--seed", "1", "--out", "record.nc",
     ),
-    "rod.nc": ("run", "flipping-rod", "--out", "rod.nc"),
     "track.nc": (
         "run", "silica-1um", "--set", "forces.brownian=true", "--set",
         "beam.power_through_pupil=10 mW", "--set", "simulation.samples=11", "--set",
@@ -96,7 +95,6 @@ COMMANDS = (
          "--set", "simulation.model=full", "--set", "simulation.method=auto"),
         ("falling.nc",),
     ),
-    Command(("rotation", "rod.nc"), ("rod.nc",)),
     Command(("tune", "thesis-990nm")),
     Command(("reproduce", "5.1")),
     Command(("cache",)),
