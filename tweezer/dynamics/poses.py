@@ -1,8 +1,8 @@
 """Poses of a body at which force and torque vanish, or balance the drag of a steady rotation.
 
-A body of revolution may turn about its axis, and in light that is the same all around its axis a
-body may turn about that axis with its position, without any change of the wrench W in the body's
-frame. A steady motion along such directions v_j, with the twist V = sum_j c_j v_j, balances
+Some motions leave the wrench W in the body's frame unchanged. A body of revolution may turn about
+its axis. In light that is the same all around its axis, position and body may turn about the light.
+A steady motion along such directions v_j, with the twist V = sum_j c_j v_j, balances
 W = R V, where R is the resistance. A body at rest is the case V = 0. The motion has no inertia.
 """
 

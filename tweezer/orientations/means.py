@@ -75,7 +75,7 @@ class Parts:
     def error(self) -> Array:
         """Standard error of the mean; NaN for a single part.
 
-        It is that of a ratio, total over number, because parts may differ in length (Cochran,
+        It is the error of a ratio, total over number, because parts may differ in length (Cochran,
         Sampling Techniques, 2.11). A positive covariance of neighbouring blocks is added. It covers
         correlations up to the length of a block.
         """

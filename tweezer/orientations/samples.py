@@ -43,8 +43,8 @@ class Samples:
     def of(cls, source: xr.Dataset, name: str, skip: float) -> Self:
         """Return the orientations of a result from `skip`, s, after its first sample.
 
-        `name` is that of the result in messages. Raises `ResultError` if there are none, or fewer
-        than two at equal intervals.
+        `name` is the name of the result in messages. Raises `ResultError` without orientations, or
+        with fewer than two at equal intervals.
         """
         if not {"orientation", "time"} <= {*getattr(source, "variables", ())}:
             raise ResultError(

@@ -179,9 +179,8 @@ def summarise(run: xr.Dataset) -> Summary:
       which is located by Newton's method for all forces except drag. The capture time is the time
       after which the bead stays there. The stability of the equilibrium takes the scene's inertia
       into account.
-    * captured: for a body that is no sphere, the last position and orientation are close to a
-      stable equilibrium pose, within a tenth of the body's radius and of a radian. At this pose the
-      body may rotate steadily.
+    * captured, for a body that is no sphere: the last pose is within a tenth of the body's radius
+      and of a radian of a stable equilibrium, at which the body may rotate steadily.
     * captured on a ring: the last position is as close to a ring around the beam axis, on which the
       light holds the bead, at rest or in motion around the axis.
     * complete: the light moves or changes until the end, so there is no fixed equilibrium.
@@ -371,8 +370,9 @@ def _outcome(
     position.
 
     The time, s, follows from the samples. The position is (3,), or radius and height of a ring, m,
-    and so is its error; for a body that is no sphere it is a pose. `times` (n,) are in s and
-    `position` (n, 3) in m. `bound` is the scene with its equations, if they are bound already.
+    and its error has the same shape. For a body that is no sphere it is a pose. `times` (n,) are in
+    s and `position` (n, 3) in m. `bound` is the scene with its equations, if they are bound
+    already.
     """
     if "status" not in run.attributes:
         raise ResultError("not a run: it has no attribute status")

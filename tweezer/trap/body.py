@@ -97,7 +97,7 @@ class BodyTrap(Comparable, Result):
     def words(self) -> dict[str, str]:
         """Return the outcome of the body, and the reason if it is not held.
 
-        The depth is that of the body at its orientation at the equilibrium.
+        The depth applies to a body that keeps its orientation at the equilibrium.
         """
         if self.equilibrium is None:
             return {"outcome": known.LOST, "reason": f"no stable equilibrium {self.searched}"}

@@ -155,8 +155,8 @@ def source(
 def _grid(light: Waves, nodes: Nodes, reach: float, top: int) -> tuple[Any, ...]:
     """Return the fields of `grid.Grid` for an uneven pupil, with orders m up to `top`.
 
-    The azimuths of a rule resolve the orders that are computed, and all orders of the light about
-    the farthest bead of the rule: those of the pupil's factor, and those of a plane wave there.
+    The azimuths of a rule resolve the computed orders and all orders of the light about the
+    farthest bead of the rule. The latter come from the pupil's factor and from a plane wave there.
     """
     assert light.pupil is not None
     most = top + max(abs(part.angular_momentum) for each in light.states for part in each.parts)

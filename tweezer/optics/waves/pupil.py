@@ -6,8 +6,8 @@ that comes from there. An aberration gives the light the factor
     T = exp(2 pi i sum_nm c_nm Z_n^m(rho, phi)) = sum_q t_q(rho) exp(i q phi).
 
 The amplitude of a beam that is not round (`tweezer.optics.shaped`), over its root mean square in
-the pupil, is another factor. A harmonic q adds q to the angular momentum of the light about the
-axis, so each is a part of the light of its own. t_q(rho) is rho^|q| times an even function of rho.
+the pupil, is another factor. A harmonic q adds q to the angular momentum about the axis. Each is
+therefore a part of the light. t_q(rho) is rho^|q| times an even function of rho.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ ComplexArray = NDArray[np.complex128]
 
 #: Harmonics below this part of the light's amplitude are left out
 _NONE = 1e-13
-#: Search for foci: half the number of steps aside, their length over 1/(k sin(theta)), the number
-#: of rings of the pupil, intensity of a focus over the highest, and the largest number of foci
+#: Search for foci: steps to each side, their length over 1/(k sin(theta)), rings over the pupil,
+#: smallest intensity over the highest, largest number of foci
 _ASIDE, _APART, _RINGS, _BRIGHT, _MOST_FOCI = 24, 0.5, 32, 0.3, 8
 #: Numbers of azimuths at which T is sampled, and of radii at which its harmonics are compared
 _FEWEST_AZIMUTHS, _MOST_AZIMUTHS, _RADII = 32, 4096, 129
