@@ -337,6 +337,17 @@ def test_beam_beside_the_pupil_is_refused():
         tweezer.optical_force(scene, PLACES)
 
 
+def test_well_near_the_nominal_focus_of_defocused_light_is_found_for_a_body():
+    """Defocus of 0.5 waves has a well near the nominal focus and one 3 um further."""
+    sphere = tweezer.load_scene("polystyrene-500nm").replace(beam={"aberration": [[2, 0, 0.5]]})
+    body = sphere.replace(bead={"shape": "spheroid", "length": "0.5 um"})
+    z = [each.position[2] for each in tweezer.characterise(sphere).equilibria if each.stable]
+    found = [each.position[2] for each in tweezer.characterise(body).equilibria if each.stable]
+    nearest = min(z, key=abs)
+    assert nearest < 1e-6
+    assert min(found, key=abs) == pytest.approx(nearest, rel=1e-6)
+
+
 def test_bead_is_held_in_a_lobe_of_a_hermite_gaussian_beam():
     """Both lobes hold it, at mirrored positions, where the force vanishes."""
     scene = shaped({"sigma": 0.8e-3, "hermite": [1, 0]}).replace(bead={"diameter": "0.3 um"})

@@ -7,6 +7,8 @@ import functools
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from tweezer.forces.equilibria import Search
 from tweezer.forces.rings import Box
 from tweezer.optics.beam import cone, relative_radius
@@ -77,8 +79,11 @@ class Waves(Light):
 
     @property
     def foci(self) -> Array:
-        """See `Light.foci`."""
-        return super().foci if self.pupil is None else self.pupil.foci / self.wavenumber
+        """See `Light.foci`; for a pupil that is not even, the nominal focus comes last."""
+        nominal = super().foci
+        if self.pupil is None:
+            return nominal
+        return np.vstack([self.pupil.foci / self.wavenumber, nominal])
 
     @property
     def farthest(self) -> float:
