@@ -28,8 +28,8 @@ NO_MAP = (
 #: Message for light that has no force map, because its pupil differs around the axis
 NO_MAP_OF_PUPIL = (
     "optics.evaluator = 'map': requires light that is the same all around the pupil, without "
-    "beam.aberration of m not 0, sigma_y, offset, hermite, or order beyond 0 and 1; allowed: auto, "
-    "quadrature"
+    "beam.aberration of m not 0, sigma_y, offset, hermite, focus, or order beyond 0 and 1; "
+    "allowed: auto, quadrature"
 )
 
 
@@ -146,6 +146,8 @@ def _beyond_rays(bead: Bead, lens: Lens, beams: Sequence[Beam]) -> Iterator[str]
     for name, beam in named_beams(beams):
         if beam.wavefront:
             yield f"{name}.aberration"
+        if beam.focus is not None:
+            yield f"{name}.focus"
         if beam.shaped:
             yield f"{name}.sigma_y, offset or hermite"
         if beam.vortex:

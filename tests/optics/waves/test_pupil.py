@@ -356,3 +356,75 @@ def test_bead_is_held_in_a_lobe_of_a_hermite_gaussian_beam():
     assert len(x) == 2
     assert x[0] == pytest.approx(-x[1], rel=1e-6)
     assert x[1] > 0.15e-6
+
+
+# --- holograms ------------------------------------------------------------------------------------
+
+FOCI = [
+    {"position": [0.8e-6, 0.3e-6, 0.5e-6]},
+    {"position": [-1.0e-6, 0, 0], "amplitude": 0.7, "phase": 1.0},
+    {"position": [0, -1.5e-6, -0.4e-6], "amplitude": 1.2},
+]
+
+
+def of_hologram(foci, **beam):
+    described = EVEN.model_dump(exclude_none=True)
+    described["beam"] |= {"focus": foci, **beam}
+    return tweezer.load_scene(described)
+
+
+def test_hologram_of_one_focus_is_the_shifted_focus():
+    there = of_hologram([{"position": [0.4e-6, -0.2e-6, 0.6e-6], "amplitude": 3.0, "phase": 0.5}])
+    expected = tweezer.optical_force(EVEN, PLACES)
+    found = tweezer.optical_force(there, PLACES + np.array([0.4e-6, -0.2e-6, 0.6e-6]))
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("polarisation", ["x", "circular"])
+def test_force_of_a_hologram_is_that_of_plane_waves(polarisation):
+    """The fields of three foci add; the power is that of the sum."""
+    k = 2 * math.pi * N_M / VACUUM
+
+    def factor(theta, phi):
+        s = np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi),
+                      np.cos(theta) + 0 * phi])  # fmt: skip
+        return sum(
+            spot.get("amplitude", 1.0) * np.exp(1j * spot.get("phase", 0.0))
+            * np.exp(-1j * k * np.einsum("i,i...->...", spot["position"], s))
+            for spot in FOCI
+        )  # fmt: skip
+
+    jones, keys = ((1, 0), {}) if polarisation == "x" else (
+        (ONE, ONE * 1j), {"jones": [1, "1j"]})  # fmt: skip
+    light = Light(N_M, VACUUM, ANGLE, lens(ANGLE), jones, 0, None, factor, 90)
+    places = PLACES + np.array([0.3e-6, 0, 0])
+    expected = push(light, Sphere(((0.5e-6, 1.45),)), places).force
+    found = tweezer.optical_force(of_hologram(FOCI, **keys), places)
+    rho, phi = (np.arange(2000) + 0.5) / 2000, 2 * np.pi * np.arange(400) / 400
+    power = np.abs(factor(np.arcsin(rho * NA / N_M)[:, None], phi)) ** 2
+    expected = expected / ((power.mean(axis=1) * rho).sum() / rho.sum())
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6 * np.abs(found).max())
+    scale = (found * expected).sum() / (expected**2).sum()
+    np.testing.assert_allclose(found, scale * expected, rtol=0, atol=1e-9 * np.abs(found).max())
+
+
+def test_every_focus_of_a_hologram_holds_a_bead():
+    foci = [{"position": [x, 0, 0]} for x in (-3e-6, 0, 3e-6)]
+    scene = of_hologram(foci)
+    held = [each for each in tweezer.characterise(scene).equilibria if each.stable]
+    x = sorted(each.position[0] for each in held if abs(each.position[2]) < 1e-6)
+    assert x == pytest.approx([-3e-6, 0, 3e-6], abs=5e-8)
+
+
+@pytest.mark.parametrize(
+    ("foci", "said"),
+    [
+        ([], "focus"), ([{"position": [0, 0]}], "focus"), ([{"amplitude": 1}], "position"),
+        ([{"position": [0, 0, 3e-5]}], "position"),
+        ([{"position": [0, 0, 0], "amplitude": 0}], "amplitude"),
+        ([{"position": [0, 0, 0], "power": 1}], "power"),
+    ],
+)  # fmt: skip
+def test_wrong_holograms_are_refused_in_one_line_for_each_key(foci, said):
+    with pytest.raises(SceneError, match=said):
+        of_hologram(foci)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import dataclasses
 import functools
 import math
@@ -145,14 +146,21 @@ def waves_on_bead(scene: Scene) -> Waves:
     n_m, cover, beam = scene.medium.refractive_index, scene.lens.cover, scene.beam
     vacuum = 2 * math.pi / beam.wavelength
     face = None if cover is None else Face(cover.refractive_index, n_m, vacuum * cover.depth)
-    pupil = None
-    if beam.wavefront or beam.shaped:
+    pupil, light_cone = None, cone(scene)
+    in_front = vacuum * (n_m if cover is None else cover.refractive_index)
+    spots = []
+    for spot in beam.focus or ():
+        x, y, z = (in_front * each for each in spot.position)
+        spots.append((x, y, z, spot.amplitude * cmath.exp(1j * spot.phase)))
+    if beam.wavefront or beam.shaped or spots:
         of_one_watt = beam.model_copy(update={"power": None, "power_through_pupil": 1.0})
         shape = Shape(of_one_watt, scene.lens.radius) if beam.shaped else None
-        pupil = Pupil(beam.wavefront, scene.lens.map == "tan", relative_radius(scene), shape)
+        pupil = Pupil(
+            beam.wavefront, scene.lens.map == "tan", relative_radius(scene), shape, tuple(spots)
+        ).normalised(light_cone)
     uneven = pupil is not None and pupil.orders != (0,)
     return Waves(
-        cone=cone(scene),
+        cone=light_cone,
         momentum_per_energy=n_m / SPEED_OF_LIGHT,
         radius=scene.bead.radius,
         wavenumber=n_m * vacuum,

@@ -5,13 +5,16 @@ that comes from there. An aberration gives the light the factor
 
     T = exp(2 pi i sum_nm c_nm Z_n^m(rho, phi)) = sum_q t_q(rho) exp(i q phi).
 
-The amplitude of a beam that is not round (`tweezer.optics.shaped`), over its root mean square in
-the pupil, is another factor. A harmonic q adds q to the angular momentum about the axis. Each is
-therefore a part of the light. t_q(rho) is rho^|q| times an even function of rho.
+The amplitude of a beam that is not round (`tweezer.optics.shaped`) is another factor, and so is a
+hologram, the sum of a exp(i psi - i k s.r) over its foci at r. T is divided by the root of its mean
+square, weighted by the power, so that it leaves the power unchanged. A harmonic q adds q to the
+angular momentum about the axis. Each is therefore a part of the light. t_q(rho) is rho^|q| times an
+even function of rho.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import math
 from dataclasses import dataclass
@@ -20,7 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
-from tweezer.optics.shaped import amplitude, mean_intensity
+from tweezer.optics.beam import Cone
+from tweezer.optics.shaped import amplitude
 from tweezer.scene.sections import Beam
 from tweezer.scene.sections.pupil import Zernike
 from tweezer.values.arrays import Array
@@ -33,6 +37,8 @@ _NONE = 1e-13
 #: Search for foci: steps to each side, their length over 1/(k sin(theta)), rings over the pupil,
 #: smallest intensity over the highest, largest number of foci
 _ASIDE, _APART, _RINGS, _BRIGHT, _MOST_FOCI = 24, 0.5, 32, 0.3, 8
+#: Number of nodes over the polar angle for the power
+_RINGS_OF_POWER = 400
 #: Numbers of azimuths at which T is sampled, and of radii at which its harmonics are compared
 _FEWEST_AZIMUTHS, _MOST_AZIMUTHS, _RADII = 32, 4096, 129
 
@@ -46,10 +52,9 @@ class Shape:
     """of the pupil, m"""
 
     def amplitude(self, rho: Array, phi: Array) -> Array:
-        """Return the amplitude over its root mean square at radii (n,) and azimuths (m,)."""
+        """Return the amplitude in any unit at radii (n,) and azimuths (m,)."""
         r = self.radius * rho[:, None]
-        found = amplitude(self.beam, r * np.cos(phi), r * np.sin(phi))
-        return np.asarray(found / math.sqrt(mean_intensity(self.radius, self.beam)))
+        return amplitude(self.beam, r * np.cos(phi), r * np.sin(phi))
 
 
 @dataclass(frozen=True)
@@ -64,6 +69,22 @@ class Pupil:
     """rho over tan(theta) or sin(theta)"""
     shape: Shape | None = None
     """amplitude of a beam that is not round; None for a round beam"""
+    spots: tuple[tuple[float, float, float, complex], ...] = ()
+    """foci of a hologram: position in 1/k of the medium before a cover, and amplitude; empty for
+    one focus"""
+    size: float = 1.0
+    """root mean square of T before it is divided by it"""
+
+    def normalised(self, cone: Cone) -> Pupil:
+        """Return this pupil with a factor that leaves the power of a cone of light unchanged."""
+        x, weight = np.polynomial.legendre.leggauss(_RINGS_OF_POWER)
+        width = 2 * math.sin(cone.half_angle / 2) ** 2
+        below = width * (1 + x) / 2
+        phi = 2 * math.pi * np.arange(2 * self._azimuths) / (2 * self._azimuths)
+        around = (np.abs(self.factor(self.radius(below), phi)) ** 2).mean(axis=1)
+        power = weight * cone.shape(below)
+        share = float(power @ around / power.sum())
+        return dataclasses.replace(self, size=self.size * math.sqrt(share))
 
     def radius(self, below: Array) -> Array:
         """Return rho at 1 - cos(theta) = `below`, where theta is the angle behind the lens."""
@@ -79,7 +100,21 @@ class Pupil:
         found: ComplexArray = np.exp(2j * math.pi * waves)
         if self.shape is not None:
             found = found * self.shape.amplitude(rho, phi)
-        return found
+        if self.spots:
+            found = found * self._hologram(rho, phi)
+        return found / self.size
+
+    def _hologram(self, rho: Array, phi: Array) -> ComplexArray:
+        """Return the sum of the fields of all foci at radii (n,) and azimuths (m,), (n, m)."""
+        sine = rho / self.scale
+        if self.tangent:
+            sine = sine / np.hypot(1.0, sine)
+        along = np.sqrt((1 - sine) * (1 + sine))[:, None]
+        across = sine[:, None]
+        return np.asarray(sum(
+            a * np.exp(-1j * (across * (x * np.cos(phi) + y * np.sin(phi)) + along * z))
+            for x, y, z, a in self.spots
+        ))  # fmt: skip
 
     @functools.cached_property
     def orders(self) -> tuple[int, ...]:
@@ -123,10 +158,12 @@ class Pupil:
     def foci(self) -> Array:
         """Positions about which light is bright, (n, 3) in 1/k of the medium before a cover.
 
-        They are the highest maxima of the intensity, for light without polarisation, in the plane
-        where tilt and defocus place the focus.
+        They are the foci of a hologram, or the highest maxima of the intensity, for light without
+        polarisation, in the plane where tilt and defocus place the focus.
         """
         centre, sine = np.array(self._centre), self._outermost
+        if self.spots:
+            return centre + np.array([(x, y, z) for x, y, z, _ in self.spots])
         aside = np.arange(-_ASIDE, _ASIDE + 1) * _APART / sine
         rho = (np.arange(_RINGS) + 0.5) / _RINGS
         phi = 2 * math.pi * np.arange(self._azimuths) / self._azimuths

@@ -12,6 +12,7 @@ from tweezer.values.units import Angle, BeamSigma, Quantity, entries
 #: Largest radial order of a Zernike term, and its largest amount, waves
 _MOST_ORDERS, _MOST_WAVES = 40, 5.0
 
+Place = Annotated[float, Quantity("m", -2e-5, 2e-5)]
 Offset = Annotated[float, Quantity("m", -1, 1)]
 Order = Annotated[StrictInt, Field(ge=0, le=20)]
 Term = Annotated[tuple[Annotated[float, Quantity("", -2000, 2000)], ...], entries(2, 3)]
@@ -53,6 +54,18 @@ def _of_noll(index: int) -> tuple[int, int]:
 _INDICES = {"osa": (0, _of_osa), "noll": (1, _of_noll)}
 
 
+class Spot(Section):
+    """A focus of a hologram in the pupil."""
+
+    position: Annotated[tuple[Place, Place, Place], entries(3)] = Field(
+        description="position relative to the focus of the beam"
+    )
+    amplitude: Annotated[float, Quantity("", 1e-6, 1e6)] = Field(
+        1.0, description="amplitude relative to the other foci"
+    )
+    phase: Angle = Field(0.0, description="phase of its light")
+
+
 class OfPupil(Section):
     """Base of a beam, with its phase and its shape over the pupil."""
 
@@ -84,6 +97,11 @@ class OfPupil(Section):
         "from 1"
     )  # fmt: skip
 
+    focus: Annotated[tuple[Spot, ...], entries(1, 100)] | None = Field(
+        None, description="foci of a hologram in the pupil, whose fields add; a list of sections "
+        "[[beam.focus]]. Requires wave optics. Default: one focus"
+    )  # fmt: skip
+
     @property
     def wavefront(self) -> tuple[Zernike, ...]:
         """Zernike terms of the phase, in waves, in the order of n and m; equal terms are added."""
@@ -106,7 +124,8 @@ class OfPupil(Section):
     @property
     def even(self) -> bool:
         """Whether amplitude and phase are the same all around the pupil."""
-        return not self.shaped and all(each.m == 0 for each in self.wavefront)
+        same = all(each.m == 0 for each in self.wavefront)
+        return same and not self.shaped and self.focus is None
 
     @model_validator(mode="after")
     def _terms_exist(self) -> Self:
