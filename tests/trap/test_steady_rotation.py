@@ -7,7 +7,7 @@ from scipy.linalg import solve_continuous_lyapunov
 from scipy.spatial.transform import Rotation
 
 import tweezer
-from tweezer.dynamics.poses import POSE_NORMALS, PoseSearch
+from tweezer.dynamics.poses import DRAWN, PoseSearch
 
 #: A disc stands on its edge and turns about the axis of the light
 DISC = tweezer.load_scene("polystyrene-500nm").replace(
@@ -145,7 +145,7 @@ def test_cluster_of_one_sphere_orbits_on_the_ring_of_the_sphere():
     assert np.array(found.relaxation_rates)[-2:, 0] == pytest.approx(rates, rel=1e-3)
     # releases are uniform around the orbit, and their variances have standard errors of 2.2 %
     n, kT = 4000, 1e-3 * 1.380649e-23 * sphere.medium.temperature  # so that the motion is linear
-    normals = np.random.default_rng(4).normal(size=(n, POSE_NORMALS))
+    normals = np.random.default_rng(4).normal(size=(n, DRAWN.width))
     positions, _ = PoseSearch(cluster).drawn(found, kT, normals)
     across = np.hypot(positions[:, 0], positions[:, 1])
     expected = solve_continuous_lyapunov(np.array(ring.stiffness), 2 * kT * np.eye(2))
