@@ -25,10 +25,12 @@ from tweezer.compiled import named_njit
 from tweezer.compiled.lanes import LANES, as_words, chosen, lanes, spread, store
 from tweezer.forces.data import matrix, number, vector
 from tweezer.optics.waves.partial_waves import (
+    FIRST_HARMONIC,
     FIRST_NODE,
     HELICITY,
     IM,
     MOMENTUM,
+    NODES,
     OPTIONS,
     PADDED,
     RE,
@@ -169,7 +171,8 @@ def add_uneven_part(source, grid, rule, part, room, low, out):  # type: ignore[n
 
     `room` contains A_v (`azimuthal_orders`) and the plane waves of the part.
     """
-    padded = int(source.rules[rule, PADDED])
+    count, padded = int(source.rules[rule, NODES]), int(source.rules[rule, PADDED])
+    tables = int(source.rules[rule, FIRST_HARMONIC])
     helicity, j = source.parts[part, HELICITY], int(source.parts[part, MOMENTUM])
     c_re, c_im = source.parts[part, RE], source.parts[part, IM]
     for m in range(-grid.top, grid.top + 1):
@@ -192,4 +195,4 @@ def add_uneven_part(source, grid, rule, part, room, low, out):  # type: ignore[n
             row = -m
             if m % 2 != 0:
                 a, b = -a, -b
-        contracted(source, rule, m, row, a, b, room.work, low, out)
+        contracted(source, count, padded, tables, m, row, a, b, room.work, low, out)

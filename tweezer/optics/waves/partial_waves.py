@@ -186,6 +186,7 @@ def add_part(source, rule, part, azimuth, most, room, low, out):  # type: ignore
     bessel, re, im, work = room.bessel, room.re, room.im, room.work
     highest = source.highest
     count, padded = int(source.rules[rule, NODES]), int(source.rules[rule, PADDED])
+    tables = int(source.rules[rule, FIRST_HARMONIC])
     helicity, j = source.parts[part, HELICITY], int(source.parts[part, MOMENTUM])
     c_re, c_im = turned(source.parts[part, RE], source.parts[part, IM], azimuth, j)
     for v in range(most + 1):
@@ -204,22 +205,24 @@ def add_part(source, rule, part, azimuth, most, room, low, out):  # type: ignore
                 row = -m
                 if m % 2 != 0:
                     sign = -sign
-            contracted(source, rule, m, row, sign * c_re, sign * c_im, work, low, out)
+            a, b = sign * c_re, sign * c_im
+            contracted(source, count, padded, tables, m, row, a, b, work, low, out)
 
 
 @named_njit(**OPTIONS, forceinline=True)
-def contracted(source, rule, m, row, a, b, work, low, out):  # type: ignore[no-untyped-def]
+def contracted(  # type: ignore[no-untyped-def]
+    source, count, padded, tables, m, row, a, b, work, low, out
+):
     """Add (a + i b) times the sums of harmonics of order `row` and the waves in `work` to `out`.
 
-    `work` contains the real and then the imaginary parts at the nodes of the rule. The sums, one
-    for each degree, are added to the order m of `out`, which is described in `add_part`.
+    `work` contains the real and then the imaginary parts at the nodes of a rule with `count` nodes,
+    `padded` to whole lanes, whose harmonics begin at `tables`. The sums, one for each degree, are
+    added to the order m of `out`, which is described in `add_part`.
     """
     stride, imaginary = source.highest + 1, out.size // 2
-    count, padded = int(source.rules[rule, NODES]), int(source.rules[rule, PADDED])
     low_degree = abs(m) // LANES * LANES
     width = stride - low_degree
-    table = int(source.rules[rule, FIRST_HARMONIC]) - low_degree
-    table += int(source.begins[row + source.highest]) * count
+    table = tables + int(source.begins[row + source.highest]) * count - low_degree
     to = (m - low) * stride
     for block in range(low_degree, stride, LANES):
         sum_re, sum_im = spread(0.0), spread(0.0)
