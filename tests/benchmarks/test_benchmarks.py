@@ -684,13 +684,10 @@ def test_a_command_that_fails_is_not_timed(tmp_path):
 
 
 def test_every_command_is_timed():
-    """Exceptions are the benchmarks, `examples`, which copies a file, and `rotation`.
-
-    The command `rotation` is newer than the committed measurement.
-    """
+    """The benchmarks, and `examples`, which copies a file, are exceptions."""
     timed = {each.arguments[0] for each in commands.COMMANDS}
     every = set(typer.main.get_command(cli.app).commands)
-    assert every - timed == {"bench", "examples", "rotation"}
+    assert every - timed == {"bench", "examples"}
 
 
 def test_durations():
