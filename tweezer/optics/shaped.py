@@ -20,6 +20,8 @@ from tweezer.values.errors import SceneError
 
 #: Nodes over the radius for each pupil radius over the smaller standard deviation, and the fewest
 _NODES, _FEWEST = 24, 60
+#: Largest pupil radius over a standard deviation for which the pupil is resolved
+_NARROWEST = 30.0
 #: Smallest part of a beam's power that may pass the pupil
 _LEAST = 1e-12
 
@@ -41,9 +43,15 @@ def amplitude(beam: Beam, x: Array, y: Array) -> Array:
 def fraction(lens: Lens, beam: Beam) -> float:
     """Return the fraction of the beam's power that passes the pupil.
 
-    Raises `SceneError` for a beam that leaves the pupil dark.
+    Raises `SceneError` for a beam that leaves the pupil dark, or is too narrow to be resolved.
     """
     assert beam.sigma is not None
+    for name, width in (("sigma", beam.sigma), ("sigma_y", beam.sigma_y)):
+        if width is not None and width * _NARROWEST < lens.radius:
+            raise SceneError(
+                f"beam.{name} = {width:.3g}: a beam that is not round must be at least "
+                f"{lens.radius / _NARROWEST:.3g} m wide, a {_NARROWEST:g}th of lens.radius"
+            )
     p, q = beam.hermite
     whole = 2 * math.pi * beam.sigma * (beam.sigma_y or beam.sigma)
     whole *= 2.0 ** (p + q) * math.factorial(p) * math.factorial(q)

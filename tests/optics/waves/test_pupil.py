@@ -331,6 +331,12 @@ def test_wrong_shapes_are_refused_in_one_line(beam, said):
     assert "\n" not in str(refusal.value)
 
 
+def test_beam_too_narrow_to_be_resolved_is_refused():
+    scene = shaped({"sigma": [1e-3, 1e-6]})
+    with pytest.raises(SceneError, match=r"beam\.sigma_y = 1e-06: a beam that is not round"):
+        tweezer.optical_force(scene, PLACES)
+
+
 def test_beam_beside_the_pupil_is_refused():
     scene = shaped({"sigma": 0.1e-3, "offset": [2.5e-3 + 1e-3, 0]})
     with pytest.raises(SceneError, match="almost no light within"):

@@ -80,7 +80,10 @@ class Waves(Light):
 
     @property
     def foci(self) -> Array:
-        """See `Light.foci`; for a pupil that is not even, the nominal focus comes last."""
+        """Approximate positions of the brightest light from the nominal focus, (n, 3) m.
+
+        If the pupil has a factor, the nominal focus itself comes last.
+        """
         nominal = super().foci
         if self.pupil is None:
             return nominal

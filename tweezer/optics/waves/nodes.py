@@ -161,7 +161,7 @@ class Nodes:
         if error > _LARGEST_ERROR and variable.of_angle:
             cause = "beam.profile" if self.focus.face is None else "lens.cover.depth"
             if self.focus.pupil is not None:
-                cause = "beam.aberration"
+                cause = "beam"
             raise SceneError(
                 f"{cause}: the light behind the lens is too uneven for wave optics; a series of "
                 f"degree {_MOST_USED} differs by {error:.2g} of its peak, allowed: "

@@ -5,8 +5,8 @@ that comes from there. An aberration gives the light the factor
 
     T = exp(2 pi i sum_nm c_nm Z_n^m(rho, phi)) = sum_q t_q(rho) exp(i q phi).
 
-The amplitude of a beam that is not round (`tweezer.optics.shaped`) is another factor, and so is a
-hologram, the sum of a exp(i psi - i k s.r) over its foci at r. T is divided by the root of its mean
+The amplitude of a beam that is not round (`tweezer.optics.shaped`) is another factor. A hologram is
+a third: the sum of a exp(i psi - i k s.r) over its foci at r. T is divided by the root of its mean
 square, weighted by the power, so that it leaves the power unchanged. A harmonic q adds q to the
 angular momentum about the axis. Each is therefore a part of the light. t_q(rho) is rho^|q| times an
 even function of rho.
@@ -21,7 +21,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter
 
 from tweezer.optics.beam import Cone
 from tweezer.optics.shaped import amplitude
@@ -142,7 +141,7 @@ class Pupil:
             count *= 2
         raise SceneError(
             f"beam: the pupil needs more than {_MOST_AZIMUTHS // 4} azimuthal harmonics; reduce "
-            "the aberration or the offset"
+            "the aberration, the offset, or the distances between foci"
         )
 
     def _transformed(self, rho: Array, count: int) -> ComplexArray:
@@ -161,6 +160,8 @@ class Pupil:
         They are the foci of a hologram, or the highest maxima of the intensity, for light without
         polarisation, in the plane where tilt and defocus place the focus.
         """
+        from scipy.ndimage import maximum_filter  # an even pupil does without
+
         centre, sine = np.array(self._centre), self._outermost
         if self.spots:
             return centre + np.array([(x, y, z) for x, y, z, _ in self.spots])
