@@ -200,8 +200,8 @@ def test_inertia_changes_no_distribution_and_adds_thermal_velocities():
 def test_driven_top_spins_and_heats_the_fluid_at_the_exact_mean_rates():
     """A torque about z adds the rate torque (b + (b_3 - b) n_z^2), with Boltzmann's n_z.
 
-    The heat is the work of all torques along the path, in Stratonovich's sense. Its mean is that of
-    the constant torque, as the well takes none.
+    The heat is the work of all torques along the path, in Stratonovich's sense. Its mean
+    equals the work of the constant torque, because the well takes none.
     """
     b, b_3, torque, K_3, n = 0.5, 2.0, 3.0, 5.0, 512
     h = 0.2 / (b * 2 * K_3)

@@ -45,7 +45,7 @@ def drag_about_the_axis(scene):
     return 32 * math.pi / 3 * scene.medium.viscosity * long**2 * b**2 / (2 * a - b**2 * s)
 
 
-#: A body as wide as the ring of a vortex of charge 1, which holds it
+#: A body as wide as the ring of a vortex of charge 1, which traps it
 WIDE = {"diameter": "1.2 um", "length": "1.5 um", "refractive_index": "1.5715+1e-4j"}
 
 
@@ -79,7 +79,7 @@ def test_absorbing_body_spins_at_torque_over_drag(changes, photon):
 
 
 def test_lossless_disc_on_its_edge_turns_at_torque_over_drag():
-    """It scatters the angular momentum of circular light. The interval shrinks to the rate."""
+    """The disc scatters angular momentum of circular light. The interval shrinks to the rate."""
     position = [0, 0, height(DISC, ON_EDGE)]
     torque = tweezer.optical_torque(DISC, position, ON_EDGE)
     across = tweezer.resistance(DISC).matrix[3, 3]

@@ -52,7 +52,7 @@ def test_capture_time_of_a_rod_is_when_its_pose_stays_close():
 
 
 def test_rod_that_is_still_turning_is_not_captured():
-    """It is already at the focus, but its axis is not along the light."""
+    """The rod is already at the focus, but its axis is not along the light."""
     short = ROD.replace(
         start={"position": [0, 0, "0.175 um"], "orientation": [0.9, 0.3, 0, 0]},
         simulation={"duration": "50 us"},

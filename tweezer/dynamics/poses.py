@@ -245,9 +245,8 @@ class PoseSearch:
             place = self.relaxed(start, _turning(np.array(axis)))
             if place is not None and not any(self.same(place, each) for each in found):
                 found.append(place)
-        return sorted(found, key=lambda each: (not each.stable, float(each.position[2]))), len(
-            starts
-        )
+        found.sort(key=lambda each: (not each.stable, float(each.position[2])))
+        return found, len(starts)
 
     def nearest(self) -> BodyEquilibrium | None:
         """Return the stable equilibrium nearest the focus; None if none is found."""

@@ -179,8 +179,8 @@ def summarise(run: xr.Dataset) -> Summary:
       which is located by Newton's method for all forces except drag. The capture time is the time
       after which the bead stays there. The stability of the equilibrium takes the scene's inertia
       into account.
-    * captured, for a body that is no sphere: the last pose is within a tenth of the body's radius
-      and of a radian of a stable equilibrium, at which the body may rotate steadily.
+    * captured: the last pose of a body that is no sphere is within a tenth of its radius, and of
+      a radian, of a stable equilibrium. The body may rotate steadily there.
     * captured on a ring: the last position is as close to a ring around the beam axis, on which the
       light holds the bead, at rest or in motion around the axis.
     * complete: the light moves or changes until the end, so there is no fixed equilibrium.
