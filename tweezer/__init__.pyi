@@ -18,6 +18,7 @@ from .optics.bodies.files import load_t_matrix
 from .optics.bodies.shapes import t_matrix
 from .optics.bodies.t_matrix import TMatrix
 from .optics.of_scene import light
+from .optics.recoil import recoil
 from .orientations import rotation
 from .plots.report import write_report
 from .reading import Recording, Track, load_recording, load_track
@@ -101,6 +102,7 @@ __all__ = [
     "optical_jacobian",
     "optical_torque",
     "potential",
+    "recoil",
     "resistance",
     "rotation",
     "save",

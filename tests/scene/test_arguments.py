@@ -27,6 +27,7 @@ CALLS = {
     "optical_force_error": lambda scene: tweezer.optical_force_error(scene, [0, 0, 1e-7]),
     "optical_jacobian": lambda scene: tweezer.optical_jacobian(scene, [0, 0, 1e-7]),
     "optical_torque": lambda scene: tweezer.optical_torque(scene, [0, 0, 1e-7]),
+    "recoil": lambda scene: tweezer.recoil(scene, [0, 0, 1e-7]),
     "t_matrix": lambda scene: tweezer.t_matrix(scene).error,
     "resistance": lambda scene: tweezer.resistance(scene).matrix,
     "simulate": lambda scene: tweezer.simulate(scene, "10 us")["position"].values,
