@@ -971,6 +971,22 @@ def _waves() -> Module:
                 waves.COVER_AMPLITUDES,
                 output_names=("p", "s"),
             ),
+            Function(
+                "reflect",
+                "Amplitudes that a plane face reflects over those that meet it: field in the\n"
+                "plane of incidence, and across it. Cosine and index behind the face may be\n"
+                "complex.",
+                _scalars(
+                    (
+                        sy.COSINE_BEFORE_FACE,
+                        sy.COSINE_BEHIND_FACE,
+                        sy.INDEX_BEFORE_FACE,
+                        sy.INDEX_BEHIND_FACE,
+                    )
+                ),
+                waves.REFLECTED_AMPLITUDES,
+                output_names=("p", "s"),
+            ),
         ),
         ("waves.py",),
         _WAVES_OPTIONS,

@@ -353,6 +353,21 @@ t_s = 2 * n1 * cos1 / (n1 * cos1 + n2 * cos2)
 #: sqrt of (power per solid angle behind the face, over that before it)
 COVER_AMPLITUDES = sp.Matrix([t_p, t_s]) * (n2 / n1) ** sp.Rational(3, 2) * cos2 / cos1
 
+
+def _reflected_at_a_face() -> sp.Matrix:
+    """Return Fresnel's reflected amplitudes r_p and r_s, from the continuity of E and H.
+
+    Along e_theta, E cos(theta) and n E are continuous, and along e_phi, E and n E cos(theta). The
+    field of the reflected wave along e_theta has the tangential part of the opposite sign.
+    """
+    r, t = sp.symbols("r t")
+    p = sp.solve([cos1 * (1 - r) - cos2 * t, n1 * (1 + r) - n2 * t], [r, t])[r]
+    s = sp.solve([1 + r - t, n1 * cos1 * (1 - r) - n2 * cos2 * t], [r, t])[r]
+    return sp.Matrix([p, s])
+
+
+REFLECTED_AMPLITUDES = _reflected_at_a_face()
+
 HELICITY_OF_HARMONICS = Equation(
     "-", "s.J = l", r"\langle nm|s\cdot J|nm\rangle", sp.factor(HELICITY)
 )

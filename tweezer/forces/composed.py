@@ -250,11 +250,11 @@ class Course:
     def at(self, time: float) -> Array:
         """Return the value at a time, s, as an array (m,)."""
         out = np.empty(self.values.shape[1])
-        _course_at(packed(*self._entries()), 0, time, out)
+        course_at(packed(*self.entries()), 0, time, out)
         return out
 
-    def _entries(self) -> tuple[float | Array, ...]:
-        """Return the course as the `_ENTRIES` entries of a force's data that `_course_at` reads."""
+    def entries(self) -> tuple[float | Array, ...]:
+        """Return the course as the `ENTRIES` entries of a force's data that `course_at` reads."""
         return (
             self.times, self.values, self.amplitude,
             np.array([self.frequency, self.phase, self.period]),
@@ -268,11 +268,11 @@ _MOST_PERIODS = 1e6
 #: Bound on the number of regions of a force
 _MOST_REGIONS = 64.0
 #: Number of entries of a `Course` in the data of a force
-_ENTRIES = 4
+ENTRIES = 4
 
 
 @cached_njit(error_model="numpy", nogil=True)
-def _course_at(data, first, time, out):  # type: ignore[no-untyped-def]
+def course_at(data, first, time, out):  # type: ignore[no-untyped-def]
     """Fill `out` (m,) with the value of a `Course` at a time, s.
 
     The course begins at the entry `first` of the `data` of a force.
@@ -365,8 +365,8 @@ class Moved(Force):
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
         """Return the kernel of this force and its data; see `Force.compiled`."""
         return _add_moved, packed(
-            bound(self.force, gradient=gradient), float(self.down), *self.place._entries(),
-            *self.strength._entries(),
+            bound(self.force, gradient=gradient), float(self.down), *self.place.entries(),
+            *self.strength.entries(),
         )  # fmt: skip
 
     def regions(self) -> tuple[Kernel, Data] | None:
@@ -374,7 +374,7 @@ class Moved(Force):
         within = numbered(self.force)
         if within is None:
             return None
-        return _number_moved, packed(within, float(self.down), *self.place._entries())
+        return _number_moved, packed(within, float(self.down), *self.place.entries())
 
 
 @cached_njit(error_model="numpy", nogil=True)
@@ -387,7 +387,7 @@ def _number_moved(pose, data, wrench):  # type: ignore[no-untyped-def]
     sign = -1.0 if number(data, 1) > 0.0 else 1.0
     here, place = Pose(pose.time, np.empty_like(pose.position), pose.orientation), np.empty(3)
     for i in range(len(pose.time)):
-        _course_at(data, 2, pose.time[i], place)
+        course_at(data, 2, pose.time[i], place)
         here.position[i, 0] = pose.position[i, 0] - place[0]
         for k in range(1, 3):
             here.position[i, k] = sign * (pose.position[i, k] - place[k])
@@ -418,12 +418,12 @@ def _add_moved(pose, data, wrench):  # type: ignore[no-untyped-def]
             here.orientation[i, 2], here.orientation[i, 3] = -e[3], e[2]
     place, strength = np.empty(3), np.empty(1)
     for i in range(n):
-        _course_at(data, 2, pose.time[i], place)
+        course_at(data, 2, pose.time[i], place)
         for k in range(3):
             here.position[i, k] = sign[k] * (pose.position[i, k] - place[k])
     add(force, here, found)
     for i in range(n):
-        _course_at(data, 2 + _ENTRIES, pose.time[i], strength)
+        course_at(data, 2 + ENTRIES, pose.time[i], strength)
         factor = strength[0]
         wrench.error[i] += abs(factor) * found.error[i]
         for k in range(3):

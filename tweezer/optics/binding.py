@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -18,6 +19,7 @@ from tweezer.optics.table import Progress, Table
 from tweezer.optics.worth import ray_optics_warning
 from tweezer.scene import Scene
 from tweezer.scene.choices import THEORIES, at, evaluator
+from tweezer.scene.interference import groups, reflecting
 from tweezer.scene.sections import Beam
 from tweezer.scene.theory import NO_MAP_OF_PUPIL
 from tweezer.values.arrays import Array
@@ -38,7 +40,8 @@ _NO_MAP = (
 class Beams(Sum):
     """The light of several beams, or of one that moves or changes: the sum of their forces.
 
-    The beams do not interfere: they come from different lasers, or differ in polarisation.
+    These beams do not interfere: they come from different lasers, or differ in polarisation. Beams
+    that do are one of the lights.
     """
 
     forces: tuple[Moved, ...]
@@ -83,7 +86,8 @@ class Beams(Sum):
     def absorbed_power(self, positions: Array, time: float = 0.0) -> Array:
         """Power of the light that the bead absorbs at `positions` (n, 3) m at a time, s, (n,) W."""
         lost = sum(
-            float(moved.strength.at(time)[0]) * each.absorbed_power(moved.within(positions, time))
+            float(moved.strength.at(time)[0])
+            * each.absorbed_power(moved.within(positions, time), time=time)
             for moved, each in zip(self.forces, self.lights, strict=True)
         )
         return np.asarray(lost)
@@ -100,18 +104,36 @@ class Beams(Sum):
 def light_force(scene: Scene) -> LightForce | Beams:
     """The force of the light of `scene`, by the evaluator that its `optics` section names.
 
-    The forces of several beams add up, as if the beams did not interfere.
+    The forces of several beams add up, unless they are coherent: then their fields do.
     """
     if scene.plain:
         return light_of_one_beam(scene)
-    places = [_place(beam) for beam in scene.beams]
-    offset = max(place.farthest(scene.simulation.duration) for place in places)
-    lights = tuple(light_of_one_beam(scene.with_one_beam(beam, offset)) for beam in scene.beams)
-    moved = tuple(
-        Moved(each, place, _factor(beam), down=beam.direction == "down")
-        for each, place, beam in zip(lights, places, scene.beams, strict=True)
-    )
-    return Beams(moved, lights)
+    offset = max(_place(beam).farthest(scene.simulation.duration) for beam in scene.beams)
+    moved, lights = [], []
+    for group in groups(scene):
+        if len(group) > 1 or reflecting(scene, group[0]):
+            light = _interfering(scene, group)
+            moved.append(Moved(light, Course.constant(0.0, 0.0, 0.0), Course.constant(1.0)))
+        else:
+            (beam,) = group
+            light = light_of_one_beam(scene.with_one_beam(beam, offset))
+            down = beam.direction == "down"
+            moved.append(Moved(light, _place(beam), _factor(beam), down=down))
+        lights.append(light)
+    return Beams(tuple(moved), tuple(lights))
+
+
+def _interfering(scene: Scene, beams: tuple[Beam, ...]) -> LightForce:
+    """Return the force of beams whose light interferes, also with its own reflection."""
+    from tweezer.optics.waves.coherent import by_interference, paths_of
+
+    paths = [
+        path
+        for beam in beams
+        if scene.with_one_beam(beam).lit
+        for path in paths_of(scene, beam, _place(beam), _factor(beam), _phase(beam))
+    ]
+    return by_interference(scene, tuple(paths)) if paths else light_of_one_beam(scene)
 
 
 def _place(beam: Beam) -> Course:
@@ -155,6 +177,27 @@ def _factor(beam: Beam) -> Course:
     if modulation.kind == "steps":
         times, factors = _stairs(times, factors, np.ones(1))
     return Course(times, factors, none, period=modulation.period or np.inf)
+
+
+def _phase(beam: Beam) -> Course:
+    """Phase of a beam in time, rad."""
+    phasing, none, at = beam.phasing, np.zeros(1), np.array([[beam.phase]])
+    if phasing is None:
+        return Course(np.zeros(1), at, none)
+    match phasing.kind:
+        case "sine":
+            amplitude = np.array([phasing.amplitude])
+            return Course(
+                np.zeros(1), at, amplitude, phasing.frequency or 0.0, phasing.phase or 0.0
+            )
+        case "ramp":
+            begin, end = phasing.begin or 0.0, phasing.end or _FOREVER
+            turned = 2 * math.pi * (phasing.rate or 0.0) * (end - begin)
+            return Course(np.array([begin, end]), at + np.array([[0.0], [turned]]), none)
+    times, phases = np.array(phasing.times), at + np.array([phasing.phases]).T
+    if phasing.kind == "steps":
+        times, phases = _stairs(times, phases, at[0])
+    return Course(times, phases, none, period=phasing.period or np.inf)
 
 
 def _stairs(times: Array, values: Array, before: Array) -> tuple[Array, Array]:

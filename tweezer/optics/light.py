@@ -156,8 +156,8 @@ class LightForce(Force):
         """Return a kernel that numbers the regions in which the force is smooth, and its data."""
         return self.light.regions()
 
-    def absorbed_power(self, positions: Array) -> Array:
-        """Return the power of the light that the bead absorbs at `positions` (n, 3) m, (n,) W."""
+    def absorbed_power(self, positions: Array, *, time: float = 0.0) -> Array:  # noqa: ARG002
+        """Return the power that the bead absorbs at `positions` (n, 3) m and a time, s; (n,) W."""
         return np.zeros(len(positions))
 
     def certain(self) -> LightForce:

@@ -62,9 +62,9 @@ class Mapped(LightForce):
                     everywhere[out] = there
         return wrench
 
-    def absorbed_power(self, positions: Array) -> Array:
+    def absorbed_power(self, positions: Array, *, time: float = 0.0) -> Array:
         """Return the power that the bead absorbs, (n,) W, by quadrature, as it is not tabulated."""
-        return self.outside.absorbed_power(positions)
+        return self.outside.absorbed_power(positions, time=time)
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
         """Return the kernel of this force and its data; see `Force.compiled`."""

@@ -14,6 +14,7 @@ from tweezer.optics.binding import Beams, evaluators_of, light_force
 from tweezer.optics.light import LightForce
 from tweezer.results.run import variable, with_error
 from tweezer.scene import Scene, SceneLike, checked_scene
+from tweezer.scene.interference import planes
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError, warn
 from tweezer.values.printed import in_unit, printed
@@ -496,6 +497,8 @@ def _outside_walls(scene: Scene, places: Array) -> None:
         for beam in scene.beams:
             normal = 1.0 if beam.direction == "up" else -1.0
             walls[-normal * cover.depth] = normal, "cover glass"
+    for plane in planes(scene):
+        walls.setdefault(plane.position, (plane.normal, plane.key))
     for z, (normal, name) in walls.items():
         inside = np.flatnonzero(normal * (places[:, 2] - z) < (1 - _ROUNDED) * body.support(normal))
         if inside.size:

@@ -1,4 +1,4 @@
-"""Sections of a scene for the motion of a beam and the modulation of its power."""
+"""Sections of a scene for a beam's motion, and for the course of its power and its phase."""
 
 from __future__ import annotations
 
@@ -31,6 +31,7 @@ Velocity = Annotated[tuple[Speed, Speed, Speed], entries(3)]
 Times = Annotated[tuple[Time, ...], entries(1, 100_000)]
 Places = Annotated[tuple[Vector, ...], entries(1, 100_000)]
 Factor = Annotated[float, Quantity("", 0, 1e6)]
+Phases = Annotated[tuple[Angle, ...], entries(1, 100_000)]
 Factors = Annotated[tuple[Factor, ...], entries(1, 100_000)]
 
 
@@ -55,7 +56,7 @@ def refusal(reason: str) -> PydanticCustomError:
 
 
 class _Course(Section):
-    """Base of a time course of a position or a power: its kind, and the keys of this kind."""
+    """Base of a course of a position, a power or a phase in time: its kind, and its keys."""
 
     kind: str
 
@@ -109,6 +110,12 @@ _KEYS: dict[str, dict[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
         "ramp": (("velocity",), ("begin", "end")),
         "steps": (("times", "positions"), ("period",)),
         "table": (("times", "positions"), ("period",)),
+    },
+    "Phasing": {
+        "sine": (("amplitude", "frequency"), ("phase",)),
+        "ramp": (("rate",), ("begin", "end")),
+        "steps": (("times", "phases"), ("period",)),
+        "table": (("times", "phases"), ("period",)),
     },
     "Modulation": {
         "sine": (("depth", "frequency"), ("phase",)),
@@ -178,8 +185,33 @@ class Modulation(_Course):
     )
 
 
+class Phasing(_Course):
+    """Phase of a coherent beam in time."""
+
+    kind: Literal["sine", "ramp", "steps", "table"] = Field(
+        description="sine: amplitude sin(2 pi frequency t + phase); ramp: 2 pi rate t from `begin` "
+        "to `end`, as from two beams whose frequencies differ by `rate`; steps: a jump to each of "
+        "`phases` at its time, from 0 before the first; table: linear interpolation between "
+        "`phases`, also from a CSV `file`"
+    )
+    amplitude: Angle | None = Field(None, description="amplitude of a sine")
+    frequency: Frequency | None = Field(None, description="frequency of a sine")
+    phase: Angle | None = Field(None, description="phase of a sine. Default: 0")
+    rate: Annotated[float, Quantity("1/s", -1e9, 1e9)] | None = Field(
+        None, description="periods of the phase per time of a ramp; may be negative"
+    )
+    begin: Time | None = Field(None, description="time at which a ramp begins. Default: 0")
+    end: Time | None = Field(None, description="time at which a ramp ends. Default: never")
+    times: Times | None = Field(None, description="ascending times of steps or a table")
+    phases: Phases | None = Field(None, description="phases at these times")
+    period: PositiveTime | None = Field(
+        None,
+        description="period after which steps or a table repeat. Default: no repetition",
+    )
+
+
 #: Key of the values that follow the time in each row of a file, and their number
-_COLUMNS = {"motion": ("positions", 3), "modulation": ("factors", 1)}
+_COLUMNS = {"motion": ("positions", 3), "modulation": ("factors", 1), "phasing": ("phases", 1)}
 
 
 def with_tables(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from tweezer.scene.sections import (
     Forces,
     Lens,
     Medium,
+    Mirror,
     Optics,
     Simulation,
     Start,
@@ -53,6 +54,9 @@ class Description(Section):
     )
     start: Start
     wall: Wall | None = Field(None, description="a plane that ends the fluid; none if not given")
+    mirror: Mirror | None = Field(
+        None, description="a plane that reflects light; none if not given"
+    )
     forces: Forces = Field(default_factory=Forces)
     camera: Camera | None = Field(
         None, description="a camera whose frames a run has beside the positions; none if not given"
@@ -73,12 +77,13 @@ class Description(Section):
     @property
     def plain(self) -> bool:
         """Whether there is only one beam, along +z through the origin, constant in time, whose
-        pupil is the same after half a turn.
+        pupil is the same after half a turn, and nothing reflects it.
         """
         beam = self.beam
         still = beam.motion is None and beam.modulation is None
         central = beam.direction == "up" and not any(beam.position) and beam.even
-        return not self.more_beams and still and central
+        mirrored = self.mirror is not None or (self.wall is not None and self.wall.reflects)
+        return not self.more_beams and still and central and not mirrored
 
     @property
     def light_moves(self) -> bool:
@@ -88,7 +93,12 @@ class Description(Section):
     @property
     def last_change(self) -> float:
         """Time after which no beam moves or changes any more, s; 0 if none ever does."""
-        courses = [each for beam in self.beams for each in (beam.motion, beam.modulation) if each]
+        courses = [
+            each
+            for beam in self.beams
+            for each in (beam.motion, beam.modulation, beam.phasing)
+            if each
+        ]
         return max((each.last_change for each in courses), default=0.0)
 
     def allows(self, by: Evaluator) -> bool:

@@ -7,6 +7,7 @@ import math
 from tweezer.scene.choices import EVALUATORS, METHODS, MODELS, methods
 from tweezer.scene.courses import refusal
 from tweezer.scene.description import FREE, Description
+from tweezer.scene.interference import check_interference
 from tweezer.scene.messages import either
 from tweezer.scene.sections import Beam
 from tweezer.scene.theory import NO_MAP, NO_MAP_OF_PUPIL, named_beams
@@ -36,6 +37,7 @@ def check(scene: Description) -> None:
         _map_of_rays(scene)
     if scene.lens.cover is not None:
         _foci_at_the_depth(scene)
+    check_interference(scene)
     _thermal(scene)
     _beside_the_wall(scene)
     _inertia_of_the_fluid(scene)

@@ -95,7 +95,13 @@ class LightOnBody(LightForce):
         sums = self._sums(positions, orientations, derivative=True)
         return sums[:, DERIVATIVE:].reshape(-1, 6, 6)
 
-    def absorbed_power(self, positions: Array, orientations: Array | None = None) -> Array:
+    def absorbed_power(
+        self,
+        positions: Array,
+        orientations: Array | None = None,
+        *,
+        time: float = 0.0,  # noqa: ARG002
+    ) -> Array:
         """Return the power of the light that the body absorbs, (n,) W.
 
         Parameters
@@ -104,6 +110,8 @@ class LightOnBody(LightForce):
             Positions from the focus, m.
         orientations : ndarray, shape (n, 4), optional
             Euler parameters. Default: those of the start.
+        time : float, optional
+            Time, s. The light is constant.
         """
         sums = self._sums(positions, orientations, derivative=False)
         return self.light.cone.power * sums[:, ABSORBED]

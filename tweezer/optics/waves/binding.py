@@ -73,22 +73,37 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
     light: waves and sphere. tolerance: relative, of the force.
     """
     small = max(SMALL * tolerance, ROUNDING)
+    states = light.states if light.uneven else light.harmonic_states
+    components = 1 if all(each.pure for each in states) else 2
+    sphere, needed, highest = sphere_and_degree(light, small, components)
+    nodes = Nodes(light.focus, light.kinds, small)
+    grid = uneven_grid(light, nodes, reach, needed + 1) if light.uneven else ()
+    data = packed(
+        light.strength * UNIT, light.strength, tolerance, nodes.error * light.strength,
+        of_states(states), guarded_elements(np.stack(elements(highest))),
+        sphere,
+        *source(light, states, nodes, reach, highest, small), *grid,
+    )  # fmt: skip
+    return Sums(data, nodes.error, small)
+
+
+def sphere_and_degree(light: Waves, small: float, components: int) -> tuple[Array, int, int]:
+    """Return `kernel.Weights.sphere` of each component, and the degrees of sums and tables.
+
+    The degrees are the one up to which the sphere scatters more than `small` of the light, and the
+    highest of the tables, a multiple of `LANES` less one. There is one component if all light has
+    the same helicity, else two.
+    """
     x = light.size_parameter
     a, b = mie_coefficients(light.shells, light.wavenumber, int(x + 6 * x ** (1 / 3)) + 12)
     needed = highest_degree(a, b, small)
     stride = -(-(needed + 2) // LANES) * LANES
     highest = stride - 1
     a, b = (np.pad(each, (0, stride))[: highest - 1] for each in (a, b))
-    nodes = Nodes(light.focus, light.kinds, small)
-    states = light.states if light.uneven else light.harmonic_states
-    grid = _grid(light, nodes, reach, needed + 1) if light.uneven else ()
-    data = packed(
-        light.strength * UNIT, light.strength, tolerance, nodes.error * light.strength,
-        of_states(states), guarded_elements(np.stack(elements(highest))),
-        _of_sphere(a, b, states, stride),
-        *source(light, states, nodes, reach, highest, small), *grid,
-    )  # fmt: skip
-    return Sums(data, nodes.error, small)
+    U, V, K = weights(a, b, components)
+    rows = np.stack([U.real, U.imag, V.real, V.imag, K], axis=1)
+    sphere = guarded_sphere(np.pad(rows, ((0, 0), (0, 0), (1, stride - 1 - rows.shape[2]))))
+    return sphere, needed, highest
 
 
 def source(
@@ -152,7 +167,7 @@ def source(
     )  # fmt: skip
 
 
-def _grid(light: Waves, nodes: Nodes, reach: float, top: int) -> tuple[Any, ...]:
+def uneven_grid(light: Waves, nodes: Nodes, reach: float, top: int) -> tuple[Any, ...]:
     """Return the fields of `grid.Grid` for an uneven pupil, with orders m up to `top`.
 
     The azimuths of a rule resolve the computed orders and all orders of the light about the
@@ -219,16 +234,3 @@ def of_states(states: tuple[State, ...]) -> Array:
                      min(momenta), max(momenta)))  # fmt: skip
         begin = end
     return np.array(rows, float)
-
-
-def _of_sphere(a: ComplexArray, b: ComplexArray, states: tuple[State, ...], stride: int) -> Array:
-    """Return `kernel.Weights.sphere` of each component, (components, rows and guards).
-
-    `a` and `b` are Mie coefficients for n = 1, 2, ... There is one component if all light has the
-    same helicity, else two. `stride` is the number of degrees from 0; those beyond `a` and `b` have
-    weights of zero.
-    """
-    components = 1 if all(each.pure for each in states) else 2
-    U, V, K = weights(a, b, components)
-    rows = np.stack([U.real, U.imag, V.real, V.imag, K], axis=1)
-    return guarded_sphere(np.pad(rows, ((0, 0), (0, 0), (1, stride - 1 - rows.shape[2]))))

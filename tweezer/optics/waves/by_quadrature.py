@@ -67,10 +67,10 @@ class WavesByQuadrature(LightForce):
             return there.field(positions, gradient=gradient)
         return super().field(positions, gradient=gradient, time=time, orientations=orientations)
 
-    def absorbed_power(self, positions: Array) -> Array:
+    def absorbed_power(self, positions: Array, *, time: float = 0.0) -> Array:
         """Return the power of the light that the bead absorbs at `positions` (n, 3) m, (n,) W."""
         if not self.light.absorbs:
-            return super().absorbed_power(positions)
+            return super().absorbed_power(positions, time=time)
         there = self._reaching(positions)
         share: Array = absorption(uneven=self.light.uneven)(
             np.require(positions, np.float64, ["C"]), there.sums.data
@@ -147,6 +147,13 @@ def _of_one_watt(scene: Scene) -> WavesByQuadrature:
     Raises `SceneError` if the bead is too large for wave optics, or may go too far from the focus.
     """
     light = waves_on_bead(scene)
+    checked_size(scene, light)
+    reach = BEYOND_LOSS * scene.simulation.loss_distance
+    return WavesByQuadrature(light, scene.optics.tolerance, reach)
+
+
+def checked_size(scene: Scene, light: Waves) -> None:
+    """Raise `SceneError` for a bead too large for wave optics, or that may go too far away."""
     if light.size_parameter > LARGEST_IN_WAVES:
         raise SceneError(
             f"bead.radius = {light.radius:.3g}: waves are computed for beads up to "
@@ -155,4 +162,3 @@ def _of_one_watt(scene: Scene) -> WavesByQuadrature:
     loss = scene.simulation.loss_distance
     name = "simulation.loss_distance"
     _not_too_far(light, name, loss, _smaller(scene, name))
-    return WavesByQuadrature(light, scene.optics.tolerance, BEYOND_LOSS * loss)

@@ -54,7 +54,7 @@ _ALONG, _WITHIN, _RAISED, _TURNED, _LOWERED, _LIFT = range(6)
 # rows of the sphere's weights
 _U_RE, _U_IM, _V_RE, _V_IM, _K, WEIGHTS = range(6)
 #: Numbers computed at a position: force, torque, their gradients, absorbed power
-_FOUND = 25
+FOUND = 25
 ABSORBED = 24
 #: Type of the compiled `absorption`
 ABSORPTION = types.float64[::1](types.float64[:, ::1], DATA)
@@ -352,7 +352,7 @@ def room_of(source, size):  # type: ignore[no-untyped-def]
     return Room(
         np.empty(size), np.empty(nodes), np.zeros(nodes), np.zeros(nodes), np.empty(2 * nodes),
         # with two rows of zeros before and after all orders, and a guard before and after it all
-        np.empty((2, 2 * (orders + 4) * stride + 2 * LANES)), np.empty(_FOUND),
+        np.empty((2, 2 * (orders + 4) * stride + 2 * LANES)), np.empty(FOUND),
     )  # fmt: skip
 
 
@@ -421,7 +421,7 @@ def _summed(*, moment: bool, uneven: bool) -> Any:
                 else:
                     add_part(source, rule, part, azimuth, most, room, first - 2, out)
             if components == 2:
-                _electric_and_magnetic(P, 2 * imaginary + LANES)
+                electric_and_magnetic(P, 2 * imaginary + LANES)
             found[:] = 0.0
             for k in range(components):
                 light = Waves(
@@ -437,7 +437,7 @@ def _summed(*, moment: bool, uneven: bool) -> Any:
                     if gradient:
                         moment_gradient_sum(light, weights, found)
             both_sides(states[state, HANDEDNESS], found)
-            for i in range(_FOUND):
+            for i in range(FOUND):
                 sums[i] += states[state, SHARE] * found[i]
 
     return add_up
@@ -460,7 +460,7 @@ def waves_kernel(*, moment: bool, uneven: bool) -> Kernel:
         tolerance, floor = number(data, TOLERANCE), number(data, FLOOR)
         source = source_of(data, SOURCE)
         room = room_with(source, data)
-        sums, gradient = np.empty(_FOUND), len(wrench.force_gradient) > 0
+        sums, gradient = np.empty(FOUND), len(wrench.force_gradient) > 0
         for at in range(pose.position.shape[0]):
             x, y, z = pose.position[at, 0], pose.position[at, 1], pose.position[at, 2]
             rho = math.hypot(x, y)
@@ -472,7 +472,7 @@ def waves_kernel(*, moment: bool, uneven: bool) -> Kernel:
                 wrench.error[at] = math.inf
                 continue
             add_up(data, source, gradient, rule, rho, z, azimuth, room, sums)
-            for i in range(_FOUND):
+            for i in range(FOUND):
                 sums[i] *= strength
             size = math.sqrt(sums[0] ** 2 + sums[1] ** 2 + sums[2] ** 2)
             wrench.error[at] += tolerance * size + floor
@@ -497,7 +497,7 @@ def absorption(*, uneven: bool) -> Any:
         """Return the share of the light's power that beads at positions (n, 3), m, absorb, (n,)."""
         source = source_of(data, SOURCE)
         room = room_with(source, data)
-        sums, out = np.empty(_FOUND), np.empty(positions.shape[0])
+        sums, out = np.empty(FOUND), np.empty(positions.shape[0])
         unit = number(data, STRENGTH) / number(data, OF_ALL)
         for at in range(positions.shape[0]):
             x, y, z = positions[at, 0], positions[at, 1], positions[at, 2]
@@ -516,7 +516,7 @@ def absorption(*, uneven: bool) -> Any:
 
 
 @named_njit(**OPTIONS)
-def _electric_and_magnetic(P, count):  # type: ignore[no-untyped-def]
+def electric_and_magnetic(P, count):  # type: ignore[no-untyped-def]
     """Replace amplitudes p^+, p^- of helicity +1 and -1 by electric and magnetic ones.
 
     The rows of `P` (2, count or more) become (p^+ + p^-)/sqrt(2) and (p^+ - p^-)/sqrt(2).

@@ -1,5 +1,6 @@
 from .alternatives import ALTERNATIVES, BELONGING, FILLED, NAMED, WITHIN_LAYERS, Filled
 from .bead import Bead
+from .interference import Mirror
 from .light import Beam, Cover, Lens, Optics
 from .medium import Medium, Wall
 from .motion import MOST_SAMPLES, Camera, Dlvo, Forces, Simulation, Start
@@ -22,6 +23,7 @@ __all__ = [
     "Layer",
     "Lens",
     "Medium",
+    "Mirror",
     "Optics",
     "Simulation",
     "Start",

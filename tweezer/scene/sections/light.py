@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 from tweezer.scene.choices import EVALUATORS, THEORIES, told
 from tweezer.scene.courses import Modulation, Motion, Section, Vector, refusal
 from tweezer.scene.sections.alternatives import BELONGING, exactly_one, with_half
+from tweezer.scene.sections.interference import OfCoherent
 from tweezer.scene.sections.pupil import OfPupil
 from tweezer.values.units import (
     BEAM_SIGMA,
@@ -98,7 +99,7 @@ class Lens(Section):
         return self
 
 
-class Beam(OfPupil):
+class Beam(OfPupil, OfCoherent):
     """The laser in the pupil. `waist` (1/e^2 radius, 2 sigma) may be given in place of `sigma`."""
 
     wavelength: Wavelength = Field(description="vacuum wavelength")

@@ -78,6 +78,14 @@ class Wall(Filled):
         description="height z of a second plane on the other side of the bead. The added drag of "
         "the planes is summed (Oseen)",
     )
+    reflects: bool = Field(
+        False, description="whether the planes reflect the light that meets them from the bead's "
+        "side, by Fresnel's equations. Requires wave optics"
+    )  # fmt: skip
+    refractive_index: RefractiveIndex | None = Field(
+        None, description="refractive index behind planes that reflect. Default: the cover's, or "
+        "1.518, cover glass"
+    )  # fmt: skip
 
     @property
     def normal(self) -> float:
@@ -89,6 +97,13 @@ class Wall(Filled):
         """Position z, m, and normal (1 or -1 along z, to the bead) of each plane."""
         first = self.position, self.normal
         return (first,) if self.opposite is None else (first, (self.opposite, -self.normal))
+
+    @model_validator(mode="after")
+    def _index_of_a_reflection(self) -> Self:
+        """Refuse an index of planes that do not reflect."""
+        if self.refractive_index is not None and not self.reflects:
+            raise refusal("refractive_index: requires reflects = true; remove it")
+        return self
 
     @model_validator(mode="after")
     def _opposite_beyond(self) -> Self:
