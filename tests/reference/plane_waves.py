@@ -349,3 +349,81 @@ def carried(bra, ket, angle, phi):
     momentum = np.einsum("if,pf->pi", axes[0], power)
     angular = np.einsum("aif,apf->pi", axes, J)
     return np.concatenate([momentum, angular, power.sum(1)[:, None]], axis=1)
+
+
+@dataclass(frozen=True)
+class Cone:
+    """Light of one lens, as a part of coherent light."""
+
+    light: Light
+    place: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """position of its focus, m"""
+    size: complex = 1.0
+    """factor of its amplitude"""
+    down: bool = False
+    """whether it is turned by half a turn about x"""
+    mirror: tuple[float, complex | None] | None = None
+    """height of a plane that reflects it, m, and the index behind it; None is a perfect mirror"""
+
+
+@dataclass(frozen=True)
+class Together:
+    """Cones of one wavelength whose fields add, with the interface of `Light`."""
+
+    cones: tuple[Cone, ...]
+
+    vortex = 0
+    cover = None
+
+    def __getattr__(self, name):
+        return getattr(self.cones[0].light, name)
+
+    @property
+    def uneven(self):
+        """Azimuthal orders and degrees that the shifts of the foci add."""
+        far = max(
+            np.linalg.norm(each.place) + 2 * abs(each.mirror[0] if each.mirror else 0)
+            for each in self.cones
+        )
+        return int(12 + self.k * far / 2 + max(each.light.uneven for each in self.cones))
+
+    def nodes(self, count):
+        """Angles of the light that travels up, then of the light that travels down."""
+        theta, weight = self.cones[0].light.nodes(count)
+        return np.concatenate([theta, math.pi - theta]), np.concatenate([weight, weight])
+
+    def amplitudes(self, theta, phi):
+        """g along theta and phi of the sum, (states, 2, len(theta), len(phi))."""
+        half = len(theta) // 2
+        total = 0
+        for cone in self.cones:
+            incoming, turned = theta[:half], (-phi if cone.down else phi)
+            g = cone.light.amplitudes(incoming, phi)
+            if cone.down:  # the wave to (theta, phi) of the lens travels to (pi - theta, -phi)
+                g = -g[..., np.argsort(np.mod(turned, 2 * math.pi), kind="stable")]
+                incoming = math.pi - incoming
+            s = frame(incoming[:, None], phi)[0]
+            shift = -self.k * np.einsum("i,itf->tf", cone.place, s)
+            g = cone.size * g * np.exp(1j * shift)
+            below = cone.down
+            if cone.mirror is not None:
+                height, index = cone.mirror
+                r_p, r_s = fresnel(np.abs(np.cos(incoming)), self.medium, index)
+                path = np.exp(2j * self.k * np.cos(incoming) * height)
+                g = g * np.stack([r_p * path, r_s * path])[:, :, None]
+                below = not below
+            whole = np.zeros((*g.shape[:2], len(theta), len(phi)), complex)
+            whole[:, :, half if below else 0 :][:, :, :half] = g
+            total = total + whole
+        return total
+
+
+def fresnel(cosine, before, behind):
+    """r_p and r_s of a plane face; r_p multiplies the component along e_theta of each wave."""
+    if behind is None:
+        return np.ones_like(cosine), -np.ones_like(cosine)
+    inside = np.sqrt(1 - (before / behind) ** 2 * (1 - cosine**2) + 0j)
+    inside = np.where((behind * inside).imag < 0, -inside, inside)
+    r_s = (before * cosine - behind * inside) / (before * cosine + behind * inside)
+    r_p = (behind * cosine - before * inside) / (behind * cosine + before * inside)
+    return r_p, r_s

@@ -75,6 +75,8 @@ class Scene(Description):
         ]  # fmt: skip
         if self.wall is not None:
             rows.insert(2, Row("wall", f"at {printed(self.wall.position, 'um')}"))
+        if self.mirror is not None:
+            rows.insert(2, Row("mirror", f"at {printed(self.mirror.position, 'um')}"))
         if changes := self._changes_in_short():
             rows.append(Row("changed", changes))
         return Card("Scene", self.name, tuple(rows))

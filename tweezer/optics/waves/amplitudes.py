@@ -176,7 +176,8 @@ def add_paths(data, first, time, x, y, z, room):  # type: ignore[no-untyped-def]
     stride = first_source(data, first).highest + 1
     imaginary = (2 * top + 5) * stride
     place, one = np.empty(3), np.empty(1)
-    room.waves[:] = 0.0
+    used = LANES + 2 * imaginary
+    room.waves[: 2 * states, :used] = 0.0
     for path in range(int(number(data, first))):
         at = first + 3 + path * ENTRIES_OF_PATH
         numbers, table = vector(data, at + _NUMBERS), matrix(data, at + _STATES)
@@ -189,22 +190,21 @@ def add_paths(data, first, time, x, y, z, room):  # type: ignore[no-untyped-def]
         course_at(data, at + _STRENGTH, time, one)
         size = numbers[_AMPLITUDE] * math.sqrt(one[0])
         course_at(data, at + _PHASE, time, one)
-        re, im = size * math.cos(one[0]), size * math.sin(one[0])
         of_path, grid = source_of(data, at + _SOURCE), grid_of(data, at + _SOURCE)
         rule = rule_for(of_path, math.hypot(a, b), c)
         if rule < 0:
             return False
+        phase = one[0] + of_path.wavenumber * c  # of the wave along the axis, see `plane_waves`
+        re, im = size * math.cos(phase), size * math.sin(phase)
         azimuthal_orders(of_path, grid, rule, a, b, room.bessel)
         room.norm[:] = 1.0
         for state in range(states):
             own = room.waves[2 * states :]
-            own[:] = 0.0
+            own[:, :used] = 0.0
             for part in range(int(table[state, BEGIN]), int(table[state, END])):
                 plane_waves(of_path, rule, part, c, room.norm, room.re, room.im)
                 out = own[1 if of_path.parts[part, HELICITY] < 0 else 0]
-                add_uneven_part(
-                    of_path, grid, rule, part, room, -top - 2, out[LANES : LANES + 2 * imaginary]
-                )
+                add_uneven_part(of_path, grid, rule, part, room, -top - 2, out[LANES:used])
             for k in range(2):
                 to = room.waves[2 * state + (1 - k if reflected else k)]
                 _add_turned(own[k], to, re, im, down, reflected, top, stride)
@@ -221,10 +221,11 @@ def _add_turned(own, to, re, im, down, reflected, top, stride):  # type: ignore[
     for m in range(-top, top + 1):
         begin = LANES + (m + top + 2) * stride
         of = LANES + ((-m if down else m) + top + 2) * stride
-        for n in range(stride):
-            a, b = own[of + n], own[of + imaginary + n]
-            if down != reflected and (n + m) % 2 != 0:
-                a, b = -a, -b
+        for n in range(abs(m), stride):
+            sign = 1.0
+            if down != reflected:
+                sign -= 2.0 * ((n + m) & 1)
+            a, b = sign * own[of + n], sign * own[of + imaginary + n]
             to[begin + n] += a * re - b * im
             to[begin + imaginary + n] += a * im + b * re
 
