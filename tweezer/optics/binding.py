@@ -6,7 +6,7 @@ import dataclasses
 import functools
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from tweezer.scene.sections import Beam
 from tweezer.scene.theory import NO_MAP_OF_PUPIL
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError, warn
+
+if TYPE_CHECKING:
+    from tweezer.optics.waves.amplitudes import Path
 
 #: Time longer than any run, s
 _FOREVER = 1e9
@@ -125,15 +128,22 @@ def light_force(scene: Scene) -> LightForce | Beams:
 
 def _interfering(scene: Scene, beams: tuple[Beam, ...]) -> LightForce:
     """Return the force of beams whose light interferes, also with its own reflection."""
-    from tweezer.optics.waves.coherent import by_interference, paths_of
+    from tweezer.optics.waves.coherent import by_interference
 
-    paths = [
+    paths = paths_of_light(scene, beams)
+    return by_interference(scene, paths) if paths else light_of_one_beam(scene)
+
+
+def paths_of_light(scene: Scene, beams: tuple[Beam, ...]) -> tuple[Path, ...]:
+    """Return the paths of the light of beams that interfere, or of one beam, as waves."""
+    from tweezer.optics.waves.coherent import paths_of
+
+    return tuple(
         path
         for beam in beams
         if scene.with_one_beam(beam).lit
         for path in paths_of(scene, beam, _place(beam), _factor(beam), _phase(beam))
-    ]
-    return by_interference(scene, tuple(paths)) if paths else light_of_one_beam(scene)
+    )
 
 
 def _place(beam: Beam) -> Course:

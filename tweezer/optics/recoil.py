@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from tweezer.optics.binding import Beams, light_force
-from tweezer.optics.light import LightForce
+from tweezer.optics.binding import paths_of_light
 from tweezer.optics.of_scene import light
-from tweezer.optics.waves.light import Waves
 from tweezer.optics.waves.recoil import momentum_diffusion
 from tweezer.scene import Scene, SceneLike
+from tweezer.scene.interference import groups
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
 from tweezer.values.units import QuantitiesLike, QuantityLike, to_si
-
-#: Signs of the coordinates in light that travels down, rotated by 180 degrees about x
-_DOWN = np.array([1.0, -1.0, -1.0])
 
 
 def recoil(scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0) -> Array:
@@ -24,9 +20,8 @@ def recoil(scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 
     For light of power P it is hbar omega (n_m/c)^2 P (Re <v_i|v_j> + Re <s_i p|(1 - S+ S)|s_j p>).
     The vectors are amplitudes of partial waves: p of the light, and v_i = S s_i p - s_i S p, where
     the matrix S describes scattering and s is the direction. The first term belongs to scattered
-    photons, the second to absorbed ones. The light is in a coherent state, and beams do not
-    interfere. Runs do not include recoil, which exceeds the collisions with the medium in high
-    vacuum only.
+    photons, the second to absorbed ones. The light is in a coherent state. Runs do not include
+    recoil, which exceeds the collisions with the medium in high vacuum only.
 
     Parameters
     ----------
@@ -61,45 +56,21 @@ def recoil(scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 
     """
     of = light(scene)
     places, time = of._places(positions), to_si(time, "s")
-    listed = places.reshape(-1, 3)
-    found = np.zeros((len(listed), 3, 3))
-    for waves, seen, factor, axes in lights_on(of.scene, listed, time):
-        found += factor * momentum_diffusion(waves, seen) * np.outer(axes, axes)
+    listed, found = places.reshape(-1, 3), np.zeros((places.size // 3, 3, 3))
+    check_scattered(of.scene)
+    for group in groups(of.scene) if of.scene.lit else ():
+        if paths := paths_of_light(of.scene, group):
+            found += momentum_diffusion(paths, listed, time)
     return found.reshape(*places.shape, 3)
 
 
-def lights_on(
-    scene: Scene, positions: Array, time: float
-) -> list[tuple[Waves, Array, float, Array]]:
-    """Return each beam of a scene with its light, which waves describe, at a time, s.
-
-    With the light come positions (n, 3) in its frame, m, the factor of its power, and the signs of
-    its axes, (3,). Raises `SceneError` for rays and for a bead that is not a sphere.
-    """
+def check_scattered(scene: Scene) -> None:
+    """Raise `SceneError` for a scene whose scattered light is not computed."""
     if scene.bead.shape != "sphere":
         raise SceneError(
             f"bead.shape = {scene.bead.shape!r}: scattered light is computed for a sphere only"
         )
-    if not scene.lit:
-        return []
-    if scene.theory == "rays":
+    if scene.lit and scene.theory == "rays":
         raise SceneError(
             "optics.theory = 'rays': has no recoil and no detector; set optics.theory = 'waves'"
         )
-    force = light_force(scene)
-    if isinstance(force, LightForce):
-        found = [(force.light, positions, 1.0, np.ones(3))]
-    else:
-        assert isinstance(force, Beams)
-        found = [
-            (
-                each.light, moved.within(positions, time), float(moved.strength.at(time)[0]),
-                _DOWN if moved.down else np.ones(3),
-            )
-            for moved, each in zip(force.forces, force.lights, strict=True)
-        ]  # fmt: skip
-    return [
-        (waves, seen, factor, axes)
-        for waves, seen, factor, axes in found
-        if isinstance(waves, Waves)
-    ]

@@ -11,8 +11,7 @@ from tests.optics.waves.test_pupil import ANGLE, EVEN, N_M, ONE, VACUUM, referen
 from tests.reference.far_field import Far
 from tests.reference.plane_waves import Light, Sphere, lens
 from tweezer import SceneError
-from tweezer.optics.waves.incident import partial_waves
-from tweezer.optics.waves.light import waves_on_bead
+from tweezer.optics.waves import incident
 
 RADIUS = 0.25e-6
 SMALL = {"radius": RADIUS}
@@ -154,6 +153,31 @@ def test_recoil_of_rays_and_of_other_bodies_is_refused():
         tweezer.recoil("flipping-rod", [0, 0, 0])
 
 
-def test_partial_waves_of_light_too_uneven_for_their_error_are_refused():
-    with pytest.raises(SceneError, match=r"beam: .* too uneven for an error of 1e-19"):
-        partial_waves(waves_on_bead(EVEN), PLACE[None], 5, 1e-19)
+def test_recoil_of_small_sphere_in_standing_wave_is_that_of_dipole():
+    """In units of one beam's recoil along E, which is 1/5 of its scattered power.
+
+    At an antinode the field is twice that of one beam: 1/5, 2/5 and 2/5 of four times its scattered
+    power, as the momentum along the wave is zero before scattering. At a node nothing is scattered,
+    and the gradient of the field along z gives 4 times one beam's scattered power.
+    """
+    keys = {
+        "lens": {"numerical_aperture": N_M * math.sin(0.02)}, "bead": {"radius": 10e-9},
+        "medium": {"mean_free_path": 1e-12},
+    }  # fmt: skip
+    beam = {**EVEN.beam.model_dump(exclude_none=True), "coherent": "a"}
+    standing = EVEN.replace(beam=[beam, {**beam, "direction": "down"}], **keys)
+    unit = tweezer.recoil(EVEN.replace(**keys), [0, 0, 0])[0, 0]
+    antinode, node = tweezer.recoil(standing, [[0, 0, 0], [0, 0, VACUUM / N_M / 4]]) / unit
+    np.testing.assert_allclose(antinode.diagonal(), [4, 8, 8], rtol=5e-3)
+    np.testing.assert_allclose(node.diagonal(), [0, 0, 20], atol=5e-2)
+
+
+def test_recoil_in_light_too_uneven_for_its_error_is_refused(monkeypatch):
+    monkeypatch.setattr(incident, "SMALL", 1e-19)
+    with pytest.raises(SceneError, match=r"beam: .* too uneven .* error would be"):
+        tweezer.recoil(EVEN, PLACE)
+
+
+def test_recoil_too_far_from_the_focus_is_refused():
+    with pytest.raises(SceneError, match=r"positions = 0.01: .*allowed: up to that"):
+        tweezer.recoil(EVEN, [0, 0, 0.01])

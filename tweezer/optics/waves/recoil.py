@@ -18,39 +18,29 @@ from __future__ import annotations
 
 import numpy as np
 
-from tweezer.optics.waves.incident import partial_waves
-from tweezer.optics.waves.light import Waves
+from tweezer.optics.waves.amplitudes import Path
+from tweezer.optics.waves.incident import SMALL, TOGETHER, Incident
 from tweezer.optics.waves.scattered import absorb, directed, moved, products, sphere
 from tweezer.values.arrays import Array
 from tweezer.values.constants import hbar
 
-#: Error of sums and integrals, as a part of the largest amplitude
-_SMALL = 1e-11
-#: Number of positions that are computed together
-_TOGETHER = 64
 
+def momentum_diffusion(paths: tuple[Path, ...], positions: Array, time: float) -> Array:
+    """Return d<P_i P_j>/dt of a sphere in light whose paths interfere, (n, 3, 3) N^2 s.
 
-def recoil_per_watt(light: Waves, positions: Array) -> Array:
-    """Return the momentum diffusion in units of hbar omega (n_m/c)^2 P, (n, 3, 3).
-
-    omega is the frequency of the light, n_m the index of the medium, P the power. `positions` are
-    (n, 3) from the focus, m.
+    `positions` are (n, 3) in the frame of the scene, m, at one time, s.
     """
-    a, b = sphere(light, _SMALL)
+    light = paths[0].light
+    a, b = sphere(light, SMALL)
+    incident = Incident(paths, positions, len(a), time)
     found = np.empty((len(positions), 3, 3))
-    for first in range(0, len(positions), _TOGETHER):
-        some = slice(first, first + _TOGETHER)
-        p = partial_waves(light, positions[some], len(a), _SMALL)
+    for first in range(0, len(positions), TOGETHER):
+        some = slice(first, first + TOGETHER)
+        p = incident.about(positions[some])
         v = moved(p, a, b)
         found[some] = products(v, v).real
         if light.absorbs:
             turned = directed(p)
             found[some] += products(turned, absorb(turned, a, b)).real
-    return found
-
-
-def momentum_diffusion(light: Waves, positions: Array) -> Array:
-    """Return d<P_i P_j>/dt of a sphere at `positions` (n, 3) m from the focus, (n, 3, 3) N^2 s."""
     frequency = light.wavenumber / light.momentum_per_energy
-    unit = hbar * frequency * light.momentum_per_energy**2 * light.cone.power
-    return unit * recoil_per_watt(light, positions)
+    return hbar * frequency * light.momentum_per_energy**2 * incident.power * found
