@@ -17,6 +17,7 @@ from .optics import (
 from .optics.bodies.files import load_t_matrix
 from .optics.bodies.shapes import t_matrix
 from .optics.bodies.t_matrix import TMatrix
+from .optics.detected import detect
 from .optics.of_scene import light
 from .optics.recoil import recoil
 from .orientations import rotation
@@ -83,6 +84,7 @@ __all__ = [
     "characterise",
     "chosen",
     "compare",
+    "detect",
     "ensemble",
     "escape_times",
     "find_wall",

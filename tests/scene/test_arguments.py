@@ -34,6 +34,7 @@ CALLS = {
 }
 #: and longer ones, which only have to find the scene
 NAMED = {
+    "detect": tweezer.detect,
     "ensemble": lambda scene: tweezer.ensemble(scene, 0),
     "least_power": lambda scene: tweezer.least_power(scene, "-1 s"),
     "sweep": lambda scene: tweezer.sweep(scene, {"bead.colour": [1]}),

@@ -35,6 +35,7 @@ for _group in (
     "runs",
     "view",
     "trap",
+    "detect",
     "ensemble",
     "sweep",
     "rotation",

@@ -111,7 +111,7 @@ class SceneLight:
         places, time = self._places(positions), to_si(time, "s")
         turned = self._turned(places, orientations)
         wrench = self._wrench(places, time, turned, gradient=True)
-        over, coordinates = _before_axis(positions, places)
+        over, coordinates = before_axis(positions, places)
         described = {
             "force": (wrench.force, "N", "force of the light"),
             "torque": (wrench.moment, "N m", "torque of the light about the bead's centre"),
@@ -229,7 +229,7 @@ class SceneLight:
         return force.absorbed_power(listed, time)
 
 
-def _before_axis(
+def before_axis(
     positions: QuantitiesLike, places: Array
 ) -> tuple[tuple[str, ...], dict[Hashable, Any]]:
     """Return the dimensions of positions (..., 3) before the last, and the coordinates along them.

@@ -14,6 +14,7 @@ from tweezer.scene.sections import (
     Bead,
     Beam,
     Camera,
+    Detector,
     Forces,
     Lens,
     Medium,
@@ -60,6 +61,9 @@ class Description(Section):
     forces: Forces = Field(default_factory=Forces)
     camera: Camera | None = Field(
         None, description="a camera whose frames a run has beside the positions; none if not given"
+    )
+    detector: Detector | None = Field(
+        None, description="a photodiode whose signals a run contains; none if not given"
     )
     optics: Optics = Field(default_factory=Optics)
     simulation: Simulation

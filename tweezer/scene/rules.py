@@ -42,6 +42,7 @@ def check(scene: Description) -> None:
     _beside_the_wall(scene)
     _inertia_of_the_fluid(scene)
     _some_frame(scene)
+    _light_on_the_detector(scene)
     if scene.start.frame == "lens" and scene.lens.focal_length is None:
         raise refusal("start.frame = 'lens': requires lens.focal_length")
     _start_in_the_medium(scene)
@@ -216,6 +217,31 @@ def _some_frame(scene: Description) -> None:
         raise refusal(
             f"simulation.method = {method!r}: a camera requires displacements, which this method "
             "does not reproduce; allowed: auto, heun"
+        )
+
+
+def _light_on_the_detector(scene: Description) -> None:
+    """Refuse a detector for light or a bead whose scattered light is not computed."""
+    if scene.detector is None:
+        return
+    beam, index = scene.beam, scene.medium.refractive_index
+    if scene.lit and scene.theory == "rays":
+        raise refusal("detector: requires wave optics; remove it")
+    if scene.bead.shape != "sphere":
+        raise refusal("detector: requires bead.shape = 'sphere'; remove it")
+    if not scene.lit:
+        raise refusal("detector: requires light; remove it")
+    moves = beam.motion is not None or beam.modulation is not None
+    mirrored = scene.mirror is not None or (scene.wall is not None and scene.wall.reflects)
+    if scene.more_beams or moves or mirrored or beam.direction == "down":
+        raise refusal(
+            "detector: requires a single beam along +z, at rest and of constant power, without a "
+            "reflection; remove it"
+        )
+    if scene.detector.numerical_aperture > index:
+        raise refusal(
+            f"detector.numerical_aperture = {scene.detector.numerical_aperture:g}: must be at most "
+            f"the refractive index of the medium, {index:g}"
         )
 
 

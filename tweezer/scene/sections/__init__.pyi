@@ -1,5 +1,6 @@
 from .alternatives import ALTERNATIVES, BELONGING, FILLED, NAMED, WITHIN_LAYERS, Filled
 from .bead import Bead
+from .detector import Detector
 from .interference import Mirror
 from .light import Beam, Cover, Lens, Optics
 from .medium import Medium, Wall
@@ -17,6 +18,7 @@ __all__ = [
     "Beam",
     "Camera",
     "Cover",
+    "Detector",
     "Dlvo",
     "Filled",
     "Forces",
