@@ -663,7 +663,7 @@ def test_a_reader_that_leaves_costs_no_file(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [(["run", "silica-1um", "--seed", "3"],
-      "seed: requires forces.brownian = true, or a camera with noise"),
+      "seed: requires forces.brownian = true, or a camera or detector with noise"),
      (["run", *FREE, "--set", "forces.brownian=true", "--seed", "-3"],
       "seed = -3: must be a whole number from 0 to 2^63 - 1"),
      (["run", "silica-1um", "--rate", "1 Hz"],

@@ -162,6 +162,11 @@ def continued(scene: Scene, attributes: Mapping[str, Any], times: Array) -> tupl
                 f"camera: {told} has one, and an exposure that is open at the end of a run is not "
                 "saved; remove the camera from both scenes"
             )
+        if each.detector is not None and each.detector.bandwidth is not None:
+            raise SceneError(
+                f"detector.bandwidth: {told} has one, and the state of its filter is not saved at "
+                "the end of a run; remove it from both scenes"
+            )
     if scene.forces.brownian != earlier.forces.brownian:
         raise _different("forces.brownian", scene.forces.brownian, earlier.forces.brownian)
     model = scene.simulation.model

@@ -114,6 +114,8 @@ def ensemble(
           trajectory that is not yet computed
         * seen (trajectory, frame, seen_axis): position in the frames of a camera, m; NaN from the
           frame in which a bead was lost
+        * signal (trajectory, time, channel): signals x, y and z of a detector with its shot noise,
+          W; NaN after a bead is lost
 
         The statistics describe the motion without a camera:
 

@@ -40,8 +40,8 @@ _WINDOW_STEPS = 2**27
 #: Pattern of the files of a running ensemble in the folder beside its output
 _OWN = re.compile(rf"\d+\.npz|total\.npz|[0-9a-f]+\.run|\.saving-[0-9a-f]{{16}}|{NEW}")
 
-#: Name of the variable with the positions that the camera recorded
-SEEN = "seen"
+#: Names of the variables with the positions that the camera recorded and the detector's signals
+SEEN, SIGNAL = "seen", "signal"
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ from tweezer.dynamics.layout import QUANTITIES
 from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.job import (
     SEEN,
+    SIGNAL,
     Attributes,
     Job,
     attributes_of,
@@ -299,7 +300,9 @@ class Trajectories:
         A block that is not continues from its checkpoint, if all chunks before it are present.
         Otherwise it is computed again.
         """
-        job, names = self.job, self.bound.shown.blocks
+        job, names = self.job, [*self.bound.shown.blocks]
+        if SIGNAL in self.arrays:
+            names.append(SIGNAL)
         windows = range(len(job.cuts) - 1)
         begun = kept(job, index, identity_of(job, self.bound))
         self.sums |= sums_of(begun)
@@ -360,6 +363,11 @@ class Trajectories:
                 SEEN, ("trajectory", "frame", "seen_axis"), shape,
                 {"units": "m", "long_name": "position that the camera saw"},
             )  # fmt: skip
+        if self.bound.scene.detector is not None:
+            yield (
+                SIGNAL, ("trajectory", "time", "channel"), (n, samples, 3),
+                {"units": "W", "long_name": "signal of the detector"},
+            )  # fmt: skip
         yield (
             "lost_time", ("trajectory",), (n,),
             {"units": "s", "long_name": "when the bead was lost; infinite: it was not"},
@@ -380,6 +388,9 @@ class Trajectories:
             found["frame_time"] = "frame", exposure.frames.times, about
             about = {"long_name": "axis of a frame"}
             found["seen_axis"] = "seen_axis", np.array(exposure.frames.camera.axes), about
+        if self.bound.scene.detector is not None:
+            about = {"long_name": "signal of the detector"}
+            found["channel"] = "channel", np.array(["x", "y", "z"]), about
         return found
 
     def _chunks(self, name: str, shape: tuple[int, ...]) -> tuple[int, ...]:

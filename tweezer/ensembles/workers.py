@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from tweezer.dynamics.layout import POSITION, Layout
 from tweezer.dynamics.walk import Walk, walk
-from tweezer.ensembles.job import SEEN, Job, found_of, identity_of, plan_of
+from tweezer.ensembles.job import SEEN, SIGNAL, Job, found_of, identity_of, plan_of
 from tweezer.ensembles.scheduler import PATIENCE, client_of
 from tweezer.ensembles.statistics import Statistics
 from tweezer.ensembles.store import (
@@ -201,6 +201,14 @@ class _Output:
         for name in layout.blocks:
             self.arrays[name][self.members, first:end] = samples[..., layout.at(name)]
             self._note(name, self.index, window, 0)
+        if (scene := self.bound.scene).detector is not None:
+            from tweezer.dynamics.detector import Signals
+
+            members = np.arange(self.members.start, self.members.stop)
+            signals = Signals.of(scene, self.job.seed, self.bound.times)
+            places = np.ascontiguousarray(samples[..., layout.at("position")])
+            self.arrays[SIGNAL][self.members, first:end] = signals.recorded(places, members, first)
+            self._note(SIGNAL, self.index, window, 0)
         self.write_frames()
         if window == len(self.job.cuts) - 2:
             self.arrays["lost_time"][self.members] = lost

@@ -103,7 +103,7 @@ def simulate(
     tolerance : float, optional
         Relative tolerance. The scene's absolute tolerances are scaled by the same factor.
     seed : int, optional
-        Seed of the thermal motion and of the camera noise. Default: 0.
+        Seed of the thermal motion and of the noise of camera and detector. Default: 0.
     forces : sequence of Force or str, optional
         Your own forces, in addition to the scene's (`tweezer.forces`), or the name of a force in a
         Python file, "handles.py:spring".
@@ -124,6 +124,8 @@ def simulate(
         * velocity, m/s
         * orientation (Euler parameters) and angular_velocity (body frame): if the bead rotates
         * seen (frame, seen_axis): positions in the frames of a camera, m, with frame_time, s
+        * signal (time, channel): signals x, y and z of a detector, W, behind its bandwidth and with
+          its shot noise
         * the quantities of `tweezer.runs.derived`
 
         The attributes include:
@@ -245,6 +247,7 @@ def motion_of(
     }
     light = problem.light_along(motion.position, result.times, motion.orientation)
     run = _run(problem, result.times, motion, light, attributes)
+    run = _detected(run, scene, seed or 0, times, first)
     if frames is not None and result.path is not None:
         run = _filmed(run, frames, *frames.seen(result.path, seed or 0))
     elif frames is not None and result.status != "failed":
@@ -456,6 +459,7 @@ def _thermal_run(
     light = bound.problem.light_along(motion.position, times, motion.orientation)
     run = _run(bound.problem, times, motion, light, attributes)
     run.variables.update(force_errors(bound.problem, times, motion, light))
+    run = _detected(run, bound.scene, seed, run_of.times, run_of.first)
     if bound.exposure is None:
         return run, lambda: None
     frames = bound.exposure.frames
@@ -517,6 +521,25 @@ def _filmed(run: Run, frames: Frames, times: Array, places: Array) -> Run:
     }
     seen = variable(("frame", "seen_axis"), places, "m", "position that the camera saw")
     return Run(run.coordinates | coordinates, run.variables | {"seen": seen}, run.attributes)
+
+
+def _detected(run: Run, scene: Scene, seed: int, times: Array, first: int) -> Run:
+    """Return a run with the signals of its scene's detector, if there is one.
+
+    `times` (n,), s, are the even times of all samples, and `first` is the number of the first.
+    """
+    if scene.detector is None:
+        return run
+    from tweezer.dynamics.detector import Signals
+
+    signals, places = Signals.of(scene, seed, times), run.variables["position"][1]
+    values = signals.recorded(places[None], np.zeros(1, np.int64), first)[0]
+    names = np.array(["x", "y", "z"])
+    channel: Variable = (("channel",), names, {"long_name": "signal of the detector"})
+    signal = variable(("time", "channel"), values, "W", "signal of the detector")
+    return Run(
+        run.coordinates | {"channel": channel}, run.variables | {"signal": signal}, run.attributes
+    )
 
 
 def _about_the_run(problem: Problem, why: str) -> dict[str, Any]:

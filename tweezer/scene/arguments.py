@@ -87,7 +87,9 @@ def check_run(scene: Scene, seed: int | None) -> None:
     if seed is None:
         return
     if not scene.draws:
-        raise SceneError("seed: requires forces.brownian = true, or a camera with noise")
+        raise SceneError(
+            "seed: requires forces.brownian = true, or a camera or detector with noise"
+        )
     check_seed(seed)
 
 
@@ -137,6 +139,11 @@ def check_ensemble(
         if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= _MOST:
             raise SceneError(f"{name} = {value!r}: must be a whole number from 1 to {_MOST:.0e}")
     check_thermal(scene, seed)
+    if scene.detector is not None and scene.detector.bandwidth is not None and not statistics:
+        raise SceneError(
+            f"detector.bandwidth = {scene.detector.bandwidth:g}: applies to single runs; remove it "
+            "or set statistics = True"
+        )
     if skip and not statistics:
         raise SceneError(f"skip = {skip!r}: requires statistics = True")
     samples_skipped(scene, skip)

@@ -163,7 +163,8 @@ class Description(Section):
     @property
     def draws(self) -> bool:
         """Whether the run draws random numbers, so that it accepts a seed."""
-        return self.forces.brownian or (self.camera is not None and any(self.camera.noises))
+        seen = self.camera is not None and any(self.camera.noises)
+        return self.forces.brownian or seen or (self.detector is not None and self.detector.noise)
 
     @property
     def rotates(self) -> bool:

@@ -15,8 +15,8 @@ from tweezer.values.arrays import Array
 
 #: Error of the interpolation along each axis, as a part of the function's largest value
 _ERROR = 1e-12
-#: Number of positions at which products are computed together
-_TOGETHER = 4096
+#: Number of positions at which products are computed together, and the function itself
+_TOGETHER, _TOGETHER_DIRECT = 4096, 256
 
 
 def at_many(function: Callable[[Array], Array], positions: Array, band: Array) -> Array:
@@ -26,7 +26,8 @@ def at_many(function: Callable[[Array], Array], positions: Array, band: Array) -
     ----------
     function : callable
         Function of positions (m, 3), with f numbers for each. It is called at the nodes of a box
-        around the positions, or at the positions themselves if they are fewer.
+        around the positions, of boxes around parts of them, or at the positions themselves if
+        these are fewer.
     positions : ndarray, shape (n, 3)
         Positions, m.
     band : ndarray, shape (3,)
@@ -38,7 +39,10 @@ def at_many(function: Callable[[Array], Array], positions: Array, band: Array) -
     half, middle = (high - low) / 2, (high + low) / 2
     counts = [_nodes(float(each)) for each in band * half]
     if math.prod(counts) >= len(positions):
-        return function(positions)
+        if len(positions) <= _TOGETHER_DIRECT:
+            return function(positions)
+        parts = np.array_split(positions, 2)
+        return np.concatenate([at_many(function, part, band) for part in parts])
     axes = [np.cos(math.pi * (np.arange(n) + 0.5) / n) for n in counts]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     series = function(middle + half * grid).reshape(*counts, -1)
