@@ -15,6 +15,7 @@ from tweezer.calibration import digits
 from tweezer.calibration.answers import KnownDrag
 from tweezer.calibration.axis import along
 from tweezer.calibration.by_axis import ByAxis
+from tweezer.calibration.by_detector import completed, from_signals
 from tweezer.calibration.driving import Drive
 from tweezer.calibration.fits import Record
 from tweezer.calibration.free import Diffusion, Given, not_trapped
@@ -22,6 +23,7 @@ from tweezer.calibration.results import AxisCalibration, Calibration
 from tweezer.calibration.setup import Known, Setup
 from tweezer.calibration.wall import Height
 from tweezer.reading.recording import Recording, load_recording
+from tweezer.scene import SceneLike, checked_scene
 from tweezer.values.errors import ResultError
 from tweezer.values.units import QuantityLike
 
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
 def calibrate(
     source: Recording | xr.Dataset | str | Path,
     *,
+    scene: SceneLike | None = None,
     temperature: QuantityLike | None = None,
     drag: QuantityLike | None = None,
     mass: QuantityLike | None = None,
@@ -75,6 +78,11 @@ def calibrate(
     ----------
     source : Recording, xarray.Dataset, str or Path
         A recording, or a source for `load_recording`.
+    scene : Scene, str or mapping, optional
+        Scene with the detector that recorded the signals x, y and z of `source`: a run with
+        `signal`, or a table in volts, where z is all of the light. Signals are converted to
+        positions by wave optics, beyond the range in which they are linear
+        (`tweezer.calibration.by_detector`). The scene also gives temperature, radius and viscosity.
     temperature : float or str, optional
         Temperature of the medium, K. This and the following values default to the scene for a run
         of tweezer.
@@ -140,7 +148,10 @@ def calibrate(
     >>> 7e-5 < found.axes["x"]["power spectrum"].stiffness < 14e-5  # N/m
     True
     """
-    recording = source if isinstance(source, Recording) else load_recording(source, drive)
+    signals = scene is not None
+    recording = (
+        source if isinstance(source, Recording) else load_recording(source, drive, signals=signals)
+    )
     if isinstance(source, Recording) and drive is not None:
         raise ResultError(
             f"{recording.name}: `drive` applies only when a file is read; this `Recording` has its "
@@ -151,11 +162,20 @@ def calibrate(
         radius=radius, viscosity=viscosity, exposure=exposure, diode=diode, noise=noise,
         leave_out=leave_out, drift=drift, fit_range=fit_range,
     )  # fmt: skip
+    if scene is not None:
+        described = checked_scene(scene)
+        recording = from_signals(recording, described)
+        if recording.scene is None:
+            setup = completed(setup, described)
     return calibrated(recording, setup)
 
 
 def calibrated(recording: Recording, setup: Setup) -> Calibration:
     """Return the calibration of a recording, with bead, medium, wall and detector from `setup`."""
+    if recording.unit == "W":
+        raise ResultError(
+            f"{recording.name}: in watts: requires --scene, the scene with the detector"
+        )
     known = setup.of(recording)
     records = _records(recording, known)
     axes: dict[str, AxisCalibration] = {}

@@ -12,6 +12,7 @@ import typer
 
 from tweezer.cli.app import (
     Bead,
+    Changes,
     Columns,
     Details,
     FigureFile,
@@ -23,7 +24,10 @@ from tweezer.cli.app import (
     Skip,
     app,
     quantity_in,
+    scene_with,
+    settings_of,
 )
+from tweezer.cli.completion import complete_scene
 from tweezer.cli.console import (
     FAILED,
     OUT,
@@ -52,6 +56,15 @@ Recordings = Annotated[
         help="NetCDF file of a run, or a table with t, x, y, z (CSV, HDF5, .npy, .mat, TDMS). "
         "Recordings of one trap are combined.",
         metavar="RECORDING...",
+    ),
+]
+OfDetector = Annotated[
+    str | None,
+    typer.Option(
+        help="Scene with the detector that recorded the signals x, y and z, to convert them to "
+        "positions by wave optics.",
+        metavar="SCENE",
+        autocompletion=complete_scene,
     ),
 ]
 Temperature = Annotated[
@@ -157,6 +170,8 @@ Report = Annotated[
 @app.command()
 def calibrate(
     recordings: Recordings,
+    scene: OfDetector = None,
+    set: Changes = None,
     temperature: Temperature = None, radius: Radius = None, viscosity: Viscosity = None,
     density: Density = None, fluid_density: FluidDensity = None, wall: Wall = None,
     focus: Focus = None, focal_shift: FocalShift = None, columns: Columns = None,
@@ -206,9 +221,21 @@ def calibrate(
     )  # fmt: skip
     loaded, tracks, few = _loaded(
         recordings, drive, skipped,
-        {"columns": columns, "rate": rate, "scale": scale, "bead": bead},
-        (wall, focus, density, drive, diode, leave_out, drift, fit_range, plot, report),
+        {"columns": columns, "rate": rate, "scale": scale, "bead": bead}
+        | ({"signals": True} if scene else {}),
+        (scene, wall, focus, density, drive, diode, leave_out, drift, fit_range, plot, report),
     )  # fmt: skip
+    if set and scene is None:
+        raise ResultError("--set: requires --scene")
+    if scene is not None:
+        from tweezer.calibration.by_detector import completed, from_signals
+
+        described = scene_with(scene, settings_of(set or []))
+        loaded = [from_signals(each, described) for each in loaded]
+        if all(each.scene is None for each in loaded):
+            setup = completed(setup, described)
+            keys = ("temperature", "radius", "viscosity")
+            given |= {key: getattr(setup, key) for key in keys}
     if tracks:
         _calibrate_tracks(tracks, few, setup, out)
         return

@@ -91,7 +91,6 @@ def detect(scene: SceneLike, positions: QuantitiesLike | None = None) -> xr.Data
     own = np.diagonal(slopes, axis1=1, axis2=2)
     # the information of all light about x: 4 <v_x|v_x> k^2 P/(hbar omega) per time
     most = 4 * np.diagonal(recoil(of.scene, listed), axis1=1, axis2=2) / hbar**2
-    reach, crosstalk = _about_rest(seen)
     shape = places.shape[:-1]
     described = {
         "signal": (signals, ("channel",), "W", "power in the signal"),
@@ -110,10 +109,16 @@ def detect(scene: SceneLike, positions: QuantitiesLike | None = None) -> xr.Data
         for name, (values, dims, unit, said) in described.items()
     }
     variables["linear_range"] = variable(
-        ("channel",), reach, "m", "displacement at which the signal is nonlinear by 5 %"
+        ("channel",),
+        linear_ranges(seen),
+        "m",
+        "displacement that is nonlinear by 5 %",
     )
     variables["crosstalk"] = variable(
-        ("channel", "axis"), crosstalk, "m", "apparent displacement of a bead displaced by 0.1 um"
+        ("channel", "axis"),
+        _crosstalk(seen),
+        "m",
+        "apparent displacement for 0.1 um",
     )
     coordinates |= {
         "position": variable((*over, "axis"), places, "m", "position of the bead's centre"),
@@ -130,20 +135,25 @@ def detect(scene: SceneLike, positions: QuantitiesLike | None = None) -> xr.Data
     return xr.Dataset(variables, coordinates, attributes)
 
 
-def _about_rest(seen: Detection) -> tuple[Array, Array]:
-    """Return the linear range of each signal (3,) m, and the crosstalk (3, 3) m."""
+def _crosstalk(seen: Detection) -> Array:
+    """Return the apparent displacement by signal and axis, (3, 3) m, of a displaced bead."""
     (at_rest,), (slope,), _ = seen.with_slopes(seen.rest[None])
-    own = np.diagonal(slope)
     moved = seen.signals(seen.rest + DISPLACED * np.eye(3)) - at_rest
-    return np.array([_linear_range(seen, i, at_rest[i], own[i]) for i in range(3)]), (moved / own).T
+    return np.asarray((moved / np.diagonal(slope)).T)
+
+
+def linear_ranges(seen: Detection) -> Array:
+    """Return the displacement at which each signal deviates from its tangent by 5 %, (3,) m.
+
+    It is measured from the equilibrium along the axis of the signal. If the deviation stays small,
+    the result is the end of the search.
+    """
+    (at_rest,), (slope,), _ = seen.with_slopes(seen.rest[None])
+    return np.array([_linear_range(seen, i, at_rest[i], slope[i, i]) for i in range(3)])
 
 
 def _linear_range(seen: Detection, i: int, at_rest: float, slope: float) -> float:
-    """Return the displacement along axis i at which signal i deviates from its tangent, m.
-
-    Its value and slope at rest are in W and W/m. If the deviation stays small, the result is the
-    end of the search.
-    """
+    """Return the linear range of signal i, m; its value and slope at rest are in W and W/m."""
     wavelength = 2 * np.pi / seen.diode.light.wavenumber
     end = _RADII * seen.diode.light.radius + _WAVELENGTHS * wavelength
     distances = np.linspace(0.0, end, int(_SAMPLES * end / wavelength))[1:]

@@ -51,9 +51,6 @@ class Detection:
         position is.
         """
         known = np.isfinite(positions).all(axis=1)
-        light = self.diode.light
-        angle = light.focus.half_angle
-        band = light.wavenumber * np.array([2, 2, math.tan(angle / 2)]) * math.sin(angle)
 
         def both(places: Array) -> Array:
             """Return signals and squares at places (m, 3), m, for light of 1 W, (m, 6)."""
@@ -61,8 +58,14 @@ class Detection:
             return np.concatenate([signals, squares], axis=1)
 
         found = np.full((len(positions), 6), np.nan)
-        found[known] = at_many(both, positions[known], band)
+        found[known] = at_many(both, positions[known], self.band)
         return self.power * found[:, :3], self._noise * np.maximum(found[:, 3:], 0.0)
+
+    @property
+    def band(self) -> Array:
+        """Largest wavenumber of the signals along each axis, (3,) 1/m."""
+        light, angle = self.diode.light, self.diode.light.focus.half_angle
+        return light.wavenumber * np.array([2, 2, math.tan(angle / 2)]) * math.sin(angle)
 
     @property
     def frequency(self) -> float:

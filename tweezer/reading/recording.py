@@ -85,7 +85,7 @@ class Recording(Shown):
     note: str = ""
     """samples that were omitted or filled in, in words"""
     unit: str = "m"
-    """of the positions: "m" or "V\""""
+    """of the positions: "m", or "V" or "W" of signals"""
     drive: Array | None = None
     """(n,) motion of the stage, which moves the fluid with it, m"""
     exposure: float | None = None
@@ -132,7 +132,7 @@ class Recording(Shown):
                 f'the time stamps are uneven, give the rate: --rate "{1 / self.step:.4g} Hz"',
                 1 + int(np.argmax(off > 0.99 * off.max())),
             )
-        low, high = _VOLTS if self.unit == "V" else _EXTENTS
+        low, high = _EXTENTS if self.unit == "m" else _VOLTS
         for axis, extent in zip(self.axes, np.ptp(self.positions, axis=0), strict=True):
             if extent <= 0:
                 self._refuse(f"{axis} does not change, so there is nothing to calibrate")
@@ -292,6 +292,7 @@ def load_recording(
     rate: QuantityLike | None = None,
     scale: QuantityLike | None = None,
     bead: str | int | None = None,
+    signals: bool = False,
 ) -> Recording:
     """Return the recording in a run of tweezer or in a table.
 
@@ -327,6 +328,8 @@ def load_recording(
         positions without a unit or in this unit.
     bead : str or int, optional
         Bead to read from a table of several, as its column names it.
+    signals : bool, optional
+        Whether to read the signals of the detector of a run, W, instead of its positions.
 
     Returns
     -------
@@ -348,6 +351,8 @@ def load_recording(
     reading = Reading.of(columns, rate, scale, drive, bead)
     read = read_source(source, reading, Wanted(() if reading.columns else ("x",), volts=True))
     if isinstance(read, Run):
+        if signals:
+            read = _of_detector(source, read)
         if drive is not None:
             raise ResultError(f"{read.name}: a run of tweezer has no column {drive!r}")
         return Recording(**read._asdict())
@@ -450,6 +455,22 @@ class Run(NamedTuple):
     note: str
     exposure: float | None = None
     noise: tuple[float, ...] | None = None
+    unit: str = "m"
+
+
+def _of_detector(source: str | Path | xr.Dataset, read: Run) -> Run:
+    """Return a run with the signals of its detector in place of the positions."""
+    from tweezer.results.io import load_run
+
+    run = load_run(source) if isinstance(source, str | Path) else source
+    if "signal" not in run:
+        raise ResultError(f"{read.name}: has no signal; add [detector] to its scene and run it")
+    values = run["signal"].values
+    there = int(np.isfinite(values).all(axis=1).cumprod().sum())
+    return read._replace(
+        times=run["time"].values[:there], positions=values[:there],
+        axes=tuple(map(str, run["channel"].values)), exposure=None, noise=None, unit="W",
+    )  # fmt: skip
 
 
 def read_source(
