@@ -91,7 +91,7 @@ def completed(setup: Setup, scene: Scene) -> Setup:
 class _Inverse:
     """Positions as functions of the signals, in a box that contains those of some signals.
 
-    `signals` are (n, 3) W, and `name` is that of their recording.
+    `signals` are (n, 3) W, and `name` names their recording.
     """
 
     def __init__(self, seen: Detection, signals: Array, name: str) -> None:
@@ -124,7 +124,7 @@ class _Inverse:
         share = 100 * left.size / len(signals)
         raise ResultError(
             f"{self._name}: {share:.2g} % of the signals have no position about the equilibrium; "
-            "the bead moves too far for this detector, or the scene is not that of the recording"
+            "the bead moves too far for this detector, or the scene does not describe the recording"
         )
 
 
@@ -139,7 +139,7 @@ def _of_volts(seen: Detection, volts: Array, name: str) -> Array:
         signals = mean / light * (volts - [*volts.mean(axis=0)[:2], 0]) + [*at_rest[:2], 0]
         inverse = inverse or _Inverse(seen, signals, name)
         positions = inverse.positions(signals)
-        # the mean height is that of the equilibrium: only the spread changes the mean of the light
+        # the bead is in equilibrium on average: only its spread changes the mean of the light
         centred = positions - [0, 0, positions[:, 2].mean() - seen.rest[2]]
         mean = float(seen.along(centred)[0][:, 2].mean())
     return positions
