@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from . import bodies, ray, water, waves
+from . import bodies, ray, spline, water, waves
 from . import body_motion as bm
 from . import drag as dg
 from . import euler_parameters as ep
@@ -993,6 +993,27 @@ def _waves() -> Module:
     )
 
 
+def _spline() -> Module:
+    return Module(
+        "spline",
+        "Uniform splines of degree 7.",
+        "On the interval from 0 to 1 between two knots, eight coefficients count. Their weights at t\n"
+        "are sums of powers of t.",
+        (),
+        (),
+        (
+            Function(
+                "spline_weights",
+                "Coefficients of the weights: row k those of t^k, from the lowest knot up.",
+                (),
+                spline.SPLINE_WEIGHTS,
+            ),
+        ),
+        ("spline.py",),
+        jit_options=None,
+    )
+
+
 def _bodies() -> Module:
     turning = _scalars((sy.ORDER, sy.LIFT_DOWN, sy.LIFT))
     return Module(
@@ -1107,5 +1128,6 @@ def catalogue() -> tuple[Module, ...]:
         _ray(),
         _waves(),
         _bodies(),
+        _spline(),
         _water(),
     )
