@@ -21,7 +21,6 @@ from tweezer.scene import Scene
 from tweezer.scene.choices import THEORIES, at, evaluator
 from tweezer.scene.interference import groups, reflecting
 from tweezer.scene.sections import Beam
-from tweezer.scene.theory import NO_MAP_OF_PUPIL
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError, warn
 
@@ -263,8 +262,8 @@ def force_map(scene: Scene, progress: Progress | None = None) -> Table:
     needs the same table waits for the first. One table serves every power of the light, and all
     scenes that differ only in scale; with wave optics the wavelength is scaled too.
 
-    Raises `SceneError` for a scene without light, for a bead that is not a sphere, for linear
-    polarisation of rays, or for aberrations that differ around the pupil. Warns (`PhysicsWarning`)
+    Raises `SceneError` for a scene without light, for a bead that is not a sphere, or for linear
+    polarisation of rays. Warns (`PhysicsWarning`)
     if the tolerance is not reached; `Table.certified_error` is the actual bound. Also warns if the
     file is damaged, and is then computed again, or if it cannot be written.
     """
@@ -274,8 +273,6 @@ def force_map(scene: Scene, progress: Progress | None = None) -> Table:
         raise SceneError("optics.evaluator = 'map': requires light, but the scene is dark")
     if scene.bead.shape != "sphere":
         raise SceneError(f"bead.shape = {scene.bead.shape!r}: {_NO_MAP}")
-    if not all(beam.mappable for beam in scene.beams):
-        raise SceneError(NO_MAP_OF_PUPIL)
     made: Table = at(THEORIES[scene.theory].map)(scene, progress)
     return made
 

@@ -7,6 +7,7 @@ import hashlib
 import importlib.util
 import io
 import logging
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -121,6 +122,13 @@ class Table:
     def build_time(self) -> float:
         """Time that the computation of the table took, s."""
         return self.made.seconds
+
+
+def processors() -> int:
+    """Return the number of processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def stored(

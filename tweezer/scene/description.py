@@ -108,8 +108,7 @@ class Description(Section):
     def allows(self, by: Evaluator) -> bool:
         """Return whether the light has the symmetry that an evaluator requires."""
         linear = any(beam.polarisation == "linear" for beam in self.beams)
-        unmapped = by.name == "map" and not all(beam.mappable for beam in self.beams)
-        return not (self.theory in by.symmetric and linear) and not unmapped
+        return not (self.theory in by.symmetric and linear)
 
     @property
     def start_position(self) -> tuple[float, float, float]:

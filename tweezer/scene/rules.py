@@ -10,7 +10,7 @@ from tweezer.scene.description import FREE, Description
 from tweezer.scene.interference import check_interference
 from tweezer.scene.messages import either
 from tweezer.scene.sections import Beam
-from tweezer.scene.theory import NO_MAP, NO_MAP_OF_PUPIL, named_beams
+from tweezer.scene.theory import NO_MAP, named_beams
 from tweezer.values.errors import warn
 from tweezer.values.rounding import least
 from tweezer.values.units import TABLE_RADII
@@ -31,8 +31,7 @@ def check(scene: Description) -> None:
         if scene.lit and scene.optics.evaluator == "grid":
             _wider_than_a_square(scene, beam)
     if by and not scene.allows(by):
-        unmapped = not all(beam.mappable for beam in scene.beams)
-        raise refusal(NO_MAP_OF_PUPIL if unmapped else NO_MAP)
+        raise refusal(NO_MAP)
     if scene.lit and scene.theory == "rays":
         _map_of_rays(scene)
     if scene.lens.cover is not None:

@@ -25,13 +25,6 @@ NO_MAP = (
     "beam.polarisation: 'averaged-reflectance', 'circular' or 'unpolarised'"
 )
 
-#: Message for light that has no force map, because its pupil differs around the axis
-NO_MAP_OF_PUPIL = (
-    "optics.evaluator = 'map': requires light that is the same all around the pupil, without "
-    "beam.aberration of m not 0, sigma_y, offset, hermite, focus, or order beyond 0 and 1; "
-    "allowed: auto, quadrature"
-)
-
 
 class Choice(NamedTuple):
     """Theory of light with which a scene is computed, and the reason."""

@@ -14,7 +14,6 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-import os
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -32,7 +31,7 @@ from tweezer.optics.polynomials import ORDER
 from tweezer.optics.rays import charts
 from tweezer.optics.rays.charts import HEAD, NO_PIECE, Blocks
 from tweezer.optics.rays.quadrature import VANISHING
-from tweezer.optics.table import Evaluate, Progress
+from tweezer.optics.table import Evaluate, Progress, processors
 from tweezer.values.arrays import Array
 from tweezer.values.errors import TweezerError
 
@@ -151,7 +150,7 @@ class _Task:
         """
         positions = np.stack([rho, np.zeros_like(rho), z], axis=1)
         chunks = [positions[i : i + _CHUNK] for i in range(0, max(len(positions), 1), _CHUNK)]
-        with ThreadPoolExecutor(_processors()) as pool:
+        with ThreadPoolExecutor(processors()) as pool:
             fields = list(pool.map(self.evaluate, chunks))
         values = np.concatenate([field.force[:, [0, 2]] for field in fields])
         if self.moment:
@@ -285,13 +284,6 @@ def build(
         largest=float(largest),
         seconds=time.perf_counter() - started,
     )
-
-
-def _processors() -> int:
-    """Return the number of processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _bounds(cells: Integers, parts: Blocks) -> Array:

@@ -217,8 +217,9 @@ def _of_nodes(focus: Focus, rule: Rule, shift: float, parts: list[Part], many: i
     along, across = focus.amplitudes(below)
     turned = rule.weight * np.exp(-1j * shift * below)
     rows = [below, np.sqrt(below * (2 - below))]
+    harmonics = focus.harmonics({part.order for part in parts}, below)
     for part in parts:
-        light = part.amplitude(along, across) * turned * focus.harmonic(part.order, below)
+        light = part.amplitude(along, across) * turned * harmonics[part.order]
         rows += [light.real, light.imag]
     return np.pad(np.stack(rows), ((0, 0), (0, many - len(below))))
 

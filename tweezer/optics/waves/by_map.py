@@ -8,11 +8,14 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from tweezer.optics import table
 from tweezer.optics.light import LightForce
 from tweezer.optics.mapped import Mapped
 from tweezer.optics.table import Progress, Table, sources
-from tweezer.optics.waves import by_quadrature
+from tweezer.optics.waves import box, by_quadrature
+from tweezer.optics.waves.box import Spline
 from tweezer.optics.waves.by_quadrature import WavesByQuadrature
 from tweezer.optics.waves.lattice import Lattice, build
 from tweezer.optics.waves.light import Waves, waves_on_bead
@@ -22,12 +25,12 @@ from tweezer.scene import Scene
 _FINER = 0.01
 
 _SOURCES = sources(
-    "compiled.lanes", "generated.waves", "optics.polynomials", "optics.shaped",
+    "compiled.lanes", "generated.spline", "generated.waves", "optics.polynomials", "optics.shaped",
     *(
         f"optics.waves.{name}"
         for name in (
-            "binding", "by_map", "by_quadrature", "focus", "grid", "harmonics", "kernel", "lattice",
-            "light", "nodes", "partial_waves", "pupil", "sphere",
+            "binding", "box", "by_map", "by_quadrature", "focus", "grid", "harmonics", "kernel",
+            "lattice", "light", "nodes", "partial_waves", "pupil", "sphere",
         )
     ),
 )  # fmt: skip
@@ -72,7 +75,7 @@ def wave_map(scene: Scene, progress: Progress | None = None) -> Table:
 
 def _stored(
     scene: Scene, of_bead: Waves, progress: Progress | None = None
-) -> tuple[Lattice, Path | None]:
+) -> tuple[Lattice | Spline, Path | None]:
     """Return the map of a scene and the file it is stored in; it is made if there is no file.
 
     The file's name follows from everything that affects the map. In units of 1/k and n_m P/c,
@@ -87,16 +90,29 @@ def _stored(
         tolerance, reach,
     )  # fmt: skip
     make = functools.partial(_made, of_bead, tolerance, reach, progress)
-    return table.stored(key, tolerance, Lattice, make)
+    kind: type[Lattice | Spline] = Lattice if _twofold(of_bead) else Spline
+    return table.stored(key, tolerance, kind, make)
+
+
+def _twofold(of_bead: Waves) -> bool:
+    """Return whether the force has harmonics 0 and 2 alone about the axis, through its one focus.
+
+    Two parts of the light whose angular momenta differ by m give the harmonic m.
+    """
+    pupil = of_bead.pupil
+    if pupil is not None and (of_bead.uneven or pupil.spots):
+        return False
+    momenta = [{part.angular_momentum for part in each.parts} for each in of_bead.states]
+    return all(max(each) - min(each) in (0, 2) for each in momenta)
 
 
 def _made(
     of_bead: Waves, tolerance: float, reach: float, progress: Progress | None = None
-) -> Lattice:
+) -> Lattice | Spline:
     """Compute the map of the force of waves on a bead, in units of 1/k and n_m P/c.
 
     `tolerance` is a part of the largest force, and `reach` the distance from the focus in 1/k.
-    `progress` is called with the finished part.
+    Light of several foci has a box about all of them. `progress` is called with the finished part.
     """
     in_units = dataclasses.replace(
         of_bead.of_radius(of_bead.size_parameter),
@@ -104,12 +120,28 @@ def _made(
         momentum_per_energy=1 / of_bead.cone.power,
     )
     angle = in_units.focus.half_angle
-    return build(
-        WavesByQuadrature(in_units, _FINER * tolerance, 1.01 * reach).field,
-        band=(2 * math.sin(angle), 2 * math.sin(angle / 2) ** 2),
+    across, along = 2 * math.sin(angle), 2 * math.sin(angle / 2) ** 2
+    if _twofold(in_units):
+        return build(
+            WavesByQuadrature(in_units, _FINER * tolerance, 1.01 * reach).field,
+            band=(across, along),
+            reach=reach,
+            tolerance=tolerance,
+            symmetric=in_units.symmetric,
+            moment=in_units.absorbs,
+            progress=progress,
+        )
+    low, high = in_units.foci.min(axis=0) - reach, in_units.foci.max(axis=0) + reach
+    farthest = float(np.linalg.norm(np.maximum(-low, high)))
+    force = WavesByQuadrature(in_units, _FINER * tolerance, farthest)
+    force.compiled(gradient=False)  # before several threads ask for its tables
+    return box.build(
+        force.field,
+        band=np.array([across, across, along]),
+        low=low,
+        high=high,
         reach=reach,
         tolerance=tolerance,
-        symmetric=in_units.symmetric,
         moment=in_units.absorbs,
         progress=progress,
     )

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -232,11 +233,15 @@ class Focus:
         size *= np.exp(1j * face.phase * (face.behind * cosine - face.before * before))
         return size * along, size * across
 
-    def harmonic(self, order: int | None, below: Array) -> ComplexArray:
-        """Return a harmonic of the pupil's factor at 1 - cos(theta) = `below`; 1 for no order."""
-        if self.pupil is None or order is None:
-            return np.ones(len(below), np.complex128)
-        return self.pupil.harmonic(order, self._in_front(below))
+    def harmonics(
+        self, orders: Iterable[int | None], below: Array
+    ) -> dict[int | None, ComplexArray]:
+        """Return harmonics of the pupil's factor at 1 - cos(theta) = `below`; 1 for no order."""
+        even = np.ones(len(below), np.complex128)
+        if self.pupil is None:
+            return dict.fromkeys(orders, even)
+        found = self.pupil.harmonics(self._in_front(below))
+        return {order: even if order is None else found[order] for order in orders}
 
     def factor(self, below: Array, phi: Array) -> ComplexArray:
         """Return the pupil's factor at 1 - cos(theta) = `below` (n,) and azimuths (m,), (n, m)."""

@@ -148,8 +148,9 @@ class Nodes:
         along, across = self.focus.amplitudes(below)
         light = np.stack([along, across]) * np.exp(-1j * self.shift * below)
         sine = 1.0 if variable.of_angle else np.sqrt(below * (2 - below))
+        harmonics = self.focus.harmonics({order for order, _ in self.kinds}, below)
         values = np.concatenate([
-            light * self.focus.harmonic(order, below) * (sine if odd else 1.0)
+            light * harmonics[order] * (sine if odd else 1.0)
             for order, odd in sorted(self.kinds)
         ])  # fmt: skip
         rows = np.concatenate([values.real, values.imag])

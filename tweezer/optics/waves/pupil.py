@@ -149,9 +149,9 @@ class Pupil:
         phi = 2 * math.pi * np.arange(count) / count
         return np.asarray(np.fft.fft(self.factor(rho, phi), axis=1) / count)
 
-    def harmonic(self, order: int, below: Array) -> ComplexArray:
-        """Return t_q of the order q at 1 - cos(theta) = `below`."""
-        return self._transformed(self.radius(below), self._azimuths)[:, order]
+    def harmonics(self, below: Array) -> ComplexArray:
+        """Return t_q at 1 - cos(theta) = `below` (n,): row q, from the end for q < 0."""
+        return self._transformed(self.radius(below), self._azimuths).T
 
     @functools.cached_property
     def foci(self) -> Array:

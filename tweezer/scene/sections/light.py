@@ -184,11 +184,6 @@ class Beam(OfPupil, OfCoherent):
         None, description="modulation of the power. Default: none"
     )
 
-    @property
-    def mappable(self) -> bool:
-        """Whether a force map has the symmetry of the light about its axis."""
-        return self.even and self.order in (None, 0, 1)
-
     @model_validator(mode="before")
     @classmethod
     def _one_way(cls, data: Any) -> Any:
