@@ -13,7 +13,7 @@ WEIGHTS = list(SPLINE_WEIGHTS.T * POWERS)
 
 
 def test_six_derivatives_are_continuous_at_a_knot():
-    """What weighs a coefficient last in an interval weighs it before in the next one."""
+    """A coefficient's weight in an interval continues as the weight before it in the next one."""
     for order in range(DEGREE):
         ends = [sp.diff(each, t, order).subs(t, 1) for each in WEIGHTS]
         begins = [sp.diff(each, t, order).subs(t, 0) for each in WEIGHTS]

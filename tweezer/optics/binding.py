@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from tweezer.forces.composed import Course, Moved, Sum
-from tweezer.forces.data import Data, packed
+from tweezer.forces.data import Data, Part, packed
 from tweezer.forces.equilibria import Search
-from tweezer.forces.force import Kernel, Wrench, no_force
+from tweezer.forces.force import Kernel, Wrench, bound, evaluated, no_force
 from tweezer.optics.light import LightForce, error_by
 from tweezer.optics.table import Progress, Table
 from tweezer.optics.worth import ray_optics_warning
@@ -52,6 +52,40 @@ class Beams(Sum):
 
     symmetric: ClassVar[bool] = False
     """whether the force is the same all around one axis"""
+
+    def field(
+        self,
+        positions: Array,
+        *,
+        gradient: bool = False,
+        time: float | Array = 0.0,
+        orientations: Array | None = None,
+    ) -> Wrench:
+        """Return force and torque at positions of the bead; see `Force.field`.
+
+        The bound kernel is kept, because binding copies force maps.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (n, 3)
+            Positions from the focus, m.
+        gradient : bool, optional
+            Whether to compute gradients too.
+        time : float or ndarray, shape (n,), optional
+            Time, s.
+        orientations : ndarray, shape (n, 4), optional
+            Euler parameters.
+        """
+        if self.oriented and orientations is None:
+            return super().field(positions, gradient=gradient, time=time)
+        if gradient not in self._parts:
+            self._parts[gradient] = bound(self, gradient=gradient)
+        return evaluated(self._parts[gradient], positions, gradient, time, orientations)
+
+    @functools.cached_property
+    def _parts(self) -> dict[bool, Part]:
+        """The bound force with gradients (True) and without, filled when used."""
+        return {}
 
     @property
     def smooth(self) -> bool:

@@ -48,15 +48,15 @@ ORDER = LANES
 #: First spacing of knots, in 1/B, for the tolerance 1e-7
 _SPACING = 1.1
 #: Largest number of coefficients of a table
-_MOST_NUMBERS = 64_000_000
-#: Parts of the tolerance: the error of one axis of the polynomial, and of one axis of the spline
+_MOST_NUMBERS = 8_000_000
+#: Errors along one axis as parts of the tolerance: of the polynomial, and of the spline
 _OF_SERIES, _OF_SPLINE = 2e-3, 0.1
 #: Factor from the largest difference found to the largest everywhere
 _SAFETY = 2.0
 #: Number of random places at which a table is compared with the force
 _COMPARED = 2000
-#: Largest number of spacings of knots that are tried, factor from the estimated number of intervals
-#: to the one tried next, and part of the intervals below which fewer are tried
+#: Largest number of trials of a spacing, factor above an estimated number of intervals, and part of
+#: the intervals below which fewer are tried
 _TRIALS, _SPARE, _MUCH_LESS = 6, 1.02, 0.93
 #: Numbers of places in the least squares and in the search for the largest difference, per interval
 _FITTED, _SEARCHED = 4, 6
@@ -145,8 +145,7 @@ def build(
 ) -> Spline:
     """Compute the table of a force in a box.
 
-    The certified error is the sum of the errors of the polynomial, of the spline, and of the force
-    itself. It is at least twice the largest difference from the force at random positions.
+    The errors of polynomial, spline and force add up to the certified error. It is at least twice the largest difference from the force at random positions.
 
     Parameters
     ----------
@@ -245,6 +244,7 @@ def _sampled(
     The samples are (along x, along y, along z, functions). The box is given by its `centre` and its
     half-widths; `build` describes the other arguments.
     """
+    evaluate(centre[None])  # computes tables, which threads then share
     axes = (
         c + h * chebyshev.chebpts1(n)
         for c, h, n in zip(centre.tolist(), half.tolist(), nodes, strict=True)
@@ -271,6 +271,7 @@ def _fitted(values: Array, axis: int, count: int, allowed: float) -> tuple[_Fit,
     are samples at Chebyshev nodes of all axes.
     """
     lines = np.moveaxis(values[..., :3], axis, 0).reshape(values.shape[axis], -1)
+    most = 2 * count
     for _ in range(_TRIALS):
         fit = _fit(values.shape[axis], count)
         blocks = np.array_split(fit.difference, math.ceil(len(fit.difference) / _ROWS))
@@ -278,9 +279,9 @@ def _fitted(values: Array, axis: int, count: int, allowed: float) -> tuple[_Fit,
             float(np.linalg.norm((rows @ lines).reshape(-1, 3), axis=1).max()) for rows in blocks
         )
         better = max(1, math.ceil(_SPARE * count * (largest / allowed) ** (1 / ORDER)))
-        if largest <= allowed and better > _MUCH_LESS * count:
+        if count == most or (largest <= allowed and better > _MUCH_LESS * count):
             break
-        count = better
+        count = min(better, most)
     return fit, largest
 
 

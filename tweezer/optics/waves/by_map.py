@@ -133,10 +133,8 @@ def _made(
         )
     low, high = in_units.foci.min(axis=0) - reach, in_units.foci.max(axis=0) + reach
     farthest = float(np.linalg.norm(np.maximum(-low, high)))
-    force = WavesByQuadrature(in_units, _FINER * tolerance, farthest)
-    force.compiled(gradient=False)  # before several threads ask for its tables
     return box.build(
-        force.field,
+        WavesByQuadrature(in_units, _FINER * tolerance, farthest).field,
         band=np.array([across, across, along]),
         low=low,
         high=high,
