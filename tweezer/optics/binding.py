@@ -290,16 +290,17 @@ class Dark(LightForce):
 def force_map(scene: Scene, progress: Progress | None = None) -> Table:
     """Return the force table of a scene's light, from the user's cache folder or computed.
 
-    A computed table is stored in this folder. It extends to `optics.table_range` from the focus.
+    A computed table is stored in this folder. It extends to `optics.table_range` from the focus. In
+    wave optics, the table of light without an axis extends as far beyond all foci, in a box.
     Its tolerance is `optics.table_tolerance` times the largest force within this range. `progress`
     is called with the finished fraction, 0 to 1, during the computation. A second process that
     needs the same table waits for the first. One table serves every power of the light, and all
     scenes that differ only in scale; with wave optics the wavelength is scaled too.
 
     Raises `SceneError` for a scene without light, for a bead that is not a sphere, or for linear
-    polarisation of rays. Warns (`PhysicsWarning`)
-    if the tolerance is not reached; `Table.certified_error` is the actual bound. Also warns if the
-    file is damaged, and is then computed again, or if it cannot be written.
+    polarisation of rays. Warns (`PhysicsWarning`) if the tolerance is not reached;
+    `Table.certified_error` is the actual bound. Also warns if the file is damaged, and is then
+    computed again, or if it cannot be written.
     """
     if scene.more_beams:
         raise SceneError("beam: a map requires a single beam; a run computes the map of each beam")

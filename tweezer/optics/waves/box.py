@@ -145,7 +145,8 @@ def build(
 ) -> Spline:
     """Compute the table of a force in a box.
 
-    The errors of polynomial, spline and force add up to the certified error. It is at least twice the largest difference from the force at random positions.
+    The errors of polynomial, spline and force add up to the certified error. It is at least twice
+    the largest difference from the force at random positions.
 
     Parameters
     ----------
