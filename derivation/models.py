@@ -997,8 +997,8 @@ def _spline() -> Module:
     return Module(
         "spline",
         "Uniform splines of degree 7.",
-        "On the interval from 0 to 1 between two knots, eight coefficients count. Their weights at t\n"
-        "are sums of powers of t.",
+        "Between two knots, at 0 and 1, eight coefficients count. Their weights at t are sums of\n"
+        "powers of t.",
         (),
         (),
         (

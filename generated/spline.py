@@ -3,8 +3,8 @@
 Made by `python -m derivation` from derivation/spline.py; do not edit.
 SymPy 1.14.0. 71 operations, 0 temporaries.
 
-On the interval from 0 to 1 between two knots, eight coefficients count. Their weights at t
-are sums of powers of t.
+Between two knots, at 0 and 1, eight coefficients count. Their weights at t are sums of
+powers of t.
 """
 
 
