@@ -362,7 +362,10 @@ def test_shipped_scenes_load_without_a_warning():
     of_several_beams = {"two-traps", "moving-trap", "optical-stretcher"}
     of_waves = {"silica-1um", "polystyrene-500nm", "gold-100nm", "coated-1um"}
     of_bodies = {"flipping-rod"}
-    assert set(shipped_scenes()) == {*OF_THE_BEAD, *of_waves, *of_several_beams, *of_bodies}
+    of_pupils = {"astigmatic-trap", "optical-conveyor", "three-foci"}
+    assert set(shipped_scenes()) == {
+        *OF_THE_BEAD, *of_waves, *of_several_beams, *of_bodies, *of_pupils
+    }  # fmt: skip
     with warnings.catch_warnings(action="error"):
         for name, path in shipped_scenes().items():
             assert load_scene(name) == load_scene(path)

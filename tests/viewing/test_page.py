@@ -21,7 +21,7 @@ from matplotlib.image import imsave
 import tweezer
 from tests import vendored
 from tweezer import viewing
-from tweezer.viewing import movie
+from tweezer.viewing import movie, of_trap
 from tweezer.viewing.arrays import float32, uint16
 from tweezer.viewing.rows import of_number
 
@@ -328,3 +328,15 @@ def test_force_of_the_inertia_of_the_fluid_is_that_of_half_its_mass(turning_run)
     largest = np.abs(change[middle]).max()
     assert fluid[middle] == pytest.approx(-half * change[middle], abs=2e-3 * half * largest)
     assert any("added mass" in note for note in content.notes)
+
+
+def test_page_of_a_hologram_has_a_table_over_the_box():
+    """The force of the page's table is within 2 % of the largest of the force of the light."""
+    trap = tweezer.characterise("three-foci")
+    made = of_trap.content(trap)
+    assert len(made.facts["beams"]) == 3
+    assert made.facts["beams"][0]["focus"][:2] == [2e-6, 0.0]
+    table = made.facts["tables"][0]
+    assert len(table["low"]) == 3
+    (note,) = (each for each in made.notes if "random positions" in each)
+    assert made.arrays["errors_0"].values().max() < 0.02 * made.facts["largest"], note

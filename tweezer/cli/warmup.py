@@ -9,9 +9,11 @@ import numpy as np
 from tweezer.dynamics import bound_once, chosen
 from tweezer.dynamics.models import bind_translation
 from tweezer.dynamics.walk import walk
-from tweezer.optics import light_of_one_beam
+from tweezer.optics import Beams, LightForce, light_force, light_of_one_beam
 from tweezer.runs.simulation import simulate
 from tweezer.scene import Scene
+from tweezer.scene.choices import EVALUATORS
+from tweezer.scene.interference import interferes
 from tweezer.tracking.filter import kalman_filter
 from tweezer.trap.elimination import mean_times
 from tweezer.values.errors import PhysicsWarning
@@ -21,7 +23,8 @@ _MOMENT = 1e-8
 
 
 def usual_scenes(scene: Scene) -> list[Scene]:
-    """Return a shipped scene with its usual variants: thermal motion with forces from a map.
+    """Return a shipped scene with its usual variants: thermal motion with forces from a map,
+    or without one if the light has none.
 
     A scene with the thesis's grid also has the variant with the torque (3.25), which `tweezer
     reproduce` runs and in which the bead rotates. Its thermal motion from the map is unscaled. A
@@ -30,7 +33,10 @@ def usual_scenes(scene: Scene) -> list[Scene]:
     if scene.bead.shape != "sphere":
         quiet = {"forces": {"brownian": False}, "simulation": {"model": "full"}}
         return [scene, scene.replace(**quiet)]
-    thermal = {"forces": {"brownian": True}, "optics": {"evaluator": "map"}}
+    mapped = scene.allows(EVALUATORS["map"]) and not interferes(scene)
+    thermal = {
+        "forces": {"brownian": True}, "optics": {"evaluator": "map" if mapped else "auto"},
+    }  # fmt: skip
     if scene.optics.evaluator != "grid":
         return [scene, scene.replace(**thermal)]
     unscaled = {"simulation": {"model": "full", "method": "auto"}}
@@ -48,9 +54,11 @@ def warm_up(scene: Scene) -> None:
     """
     with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
         one_beam = scene.with_one_beam(scene.beam)
-        lights = [light_of_one_beam(one_beam)]
+        lights: list[LightForce | Beams] = [light_of_one_beam(one_beam)]
         if scene.lit:
             lights.append(light_of_one_beam(one_beam.replace(optics={"evaluator": "quadrature"})))
+        if interferes(scene):
+            lights.append(light_force(scene))
         for bound in lights:
             for gradient in (False, True):
                 bound.field(np.zeros((1, 3)), gradient=gradient)

@@ -13,7 +13,7 @@ from tweezer.optics.binding import (
     light_force,
     light_of_one_beam,
 )
-from tweezer.optics.drawn import cone_caveat, drawn_half_angle
+from tweezer.optics.drawn import cone_caveat, drawn_cones
 from tweezer.optics.light import LightForce
 from tweezer.optics.of_scene import (
     SceneLight,
@@ -46,7 +46,7 @@ __all__ = [
     "absorbed_power",
     "cone",
     "cone_caveat",
-    "drawn_half_angle",
+    "drawn_cones",
     "evaluators_of",
     "force_map",
     "fraction_through_pupil",

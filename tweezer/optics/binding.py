@@ -144,7 +144,7 @@ def light_force(scene: Scene) -> LightForce | Beams:
     """
     if scene.plain:
         return light_of_one_beam(scene)
-    offset = max(_place(beam).farthest(scene.simulation.duration) for beam in scene.beams)
+    offset = max(place_of(beam).farthest(scene.simulation.duration) for beam in scene.beams)
     moved, lights = [], []
     for group in groups(scene):
         if len(group) > 1 or reflecting(scene, group[0]):
@@ -154,7 +154,7 @@ def light_force(scene: Scene) -> LightForce | Beams:
             (beam,) = group
             light = light_of_one_beam(scene.with_one_beam(beam, offset))
             down = beam.direction == "down"
-            moved.append(Moved(light, _place(beam), _factor(beam), down=down))
+            moved.append(Moved(light, place_of(beam), factor_of(beam), down=down))
         lights.append(light)
     return Beams(tuple(moved), tuple(lights))
 
@@ -175,11 +175,11 @@ def paths_of_light(scene: Scene, beams: tuple[Beam, ...]) -> tuple[Path, ...]:
         path
         for beam in beams
         if scene.with_one_beam(beam).lit
-        for path in paths_of(scene, beam, _place(beam), _factor(beam), _phase(beam))
+        for path in paths_of(scene, beam, place_of(beam), factor_of(beam), _phase(beam))
     )
 
 
-def _place(beam: Beam) -> Course:
+def place_of(beam: Beam) -> Course:
     """Position of the focus of a beam in time, m."""
     at, motion, none = np.array([beam.position]), beam.motion, np.zeros(3)
     if motion is None:
@@ -198,7 +198,7 @@ def _place(beam: Beam) -> Course:
     return Course(times, places, none, period=motion.period or np.inf)
 
 
-def _factor(beam: Beam) -> Course:
+def factor_of(beam: Beam) -> Course:
     """Factor of a beam's power in time."""
     modulation, none = beam.modulation, np.zeros(1)
     if modulation is None:

@@ -1,14 +1,56 @@
-"""The cone of light as figures and pages draw it."""
+"""The cones of light as figures and pages draw them."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
+import numpy as np
+
+from tweezer.forces.composed import Course
 from tweezer.optics.beam import behind_face, cone
+from tweezer.optics.binding import factor_of, place_of
 from tweezer.scene import Scene
+from tweezer.scene.sections import Beam
+from tweezer.values.arrays import Array
 
 #: Largest sine of the angle at which light is drawn
 _STEEPEST = 0.999
+
+
+class DrawnCone(NamedTuple):
+    """A cone of light that a picture shows: one for each focus of each lit beam."""
+
+    beam: Beam
+    """its beam"""
+    offset: Array
+    """(3,) position of its focus relative to the focus of the beam, m"""
+    place: Course
+    """position of the focus of the beam in time, (3,) m"""
+    strength: Course
+    """factor of the power in time, (1,)"""
+    half_angle: float
+    """angle of the outermost rays to the axis, rad"""
+
+    def at(self, time: float) -> Array:
+        """Return the position of the focus at a time, s, (3,) m."""
+        return self.place.at(time) + self.offset
+
+
+def drawn_cones(scene: Scene) -> list[DrawnCone]:
+    """Return the cones of light of a scene: those of all foci of all lit beams."""
+    found = []
+    for beam in scene.beams:
+        if not (alone := scene.with_one_beam(beam)).lit:
+            continue
+        turn = np.array([1, -1, -1] if beam.direction == "down" else [1, 1, 1])
+        spots = [each.position for each in beam.focus or ()] or [(0.0, 0.0, 0.0)]
+        found += [
+            DrawnCone(beam, turn * np.array(spot), place_of(beam), factor_of(beam),
+                      drawn_half_angle(alone))
+            for spot in spots
+        ]  # fmt: skip
+    return found
 
 
 def drawn_half_angle(scene: Scene) -> float:

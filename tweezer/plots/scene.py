@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.patches import Polygon
 
-from tweezer.optics import cone_caveat, drawn_half_angle, ray_optics_caveat
+from tweezer.optics import cone_caveat, drawn_cones, ray_optics_caveat
 from tweezer.plots import style
 from tweezer.scene import Scene
 from tweezer.scene.heading import changes
+from tweezer.scene.interference import planes as reflecting_planes
 from tweezer.values.prefixes import per
 
 if TYPE_CHECKING:
@@ -43,11 +44,13 @@ def caveat_note(scene: Scene, *, cones: bool = True) -> str:
 
 
 def planes(scene: Scene) -> list[tuple[float, float]]:
-    """Return the position z, um, and normal of each wall.
+    """Return the position z, um, and normal of each wall and mirror.
 
-    The normal is the direction along z from the wall to the bead, 1 or -1.
+    The normal is the direction along z from the plane to the bead, 1 or -1.
     """
-    return [(per("um") * z, normal) for z, normal in (scene.wall.planes if scene.wall else ())]
+    found = dict(scene.wall.planes if scene.wall else ())
+    found |= {each.position: each.normal for each in reflecting_planes(scene)}
+    return [(per("um") * z, normal) for z, normal in found.items()]
 
 
 def draw_walls(axes: Axes, scene: Scene, reach: float) -> None:
@@ -60,7 +63,7 @@ def draw_walls(axes: Axes, scene: Scene, reach: float) -> None:
 
 
 def draw_cones(axes: Axes, scene: Scene, reach: float, direction: np.ndarray, **how: Any) -> None:
-    """Draw the cone of light of each beam on both sides of its focus, beyond the figure's edges.
+    """Draw the cones of light on both sides of each focus, beyond the figure's edges.
 
     Moving beams are drawn at their rest position.
 
@@ -78,9 +81,10 @@ def draw_cones(axes: Axes, scene: Scene, reach: float, direction: np.ndarray, **
         Style of the cones.
     """
     length = 3 * reach
-    for beam in scene.beams:
-        slope = math.tan(drawn_half_angle(scene.with_one_beam(beam)))
-        x, z = per("um") * np.array(beam.position[:2]) @ direction, per("um") * beam.position[2]
+    for cone in drawn_cones(scene):
+        slope = math.tan(cone.half_angle)
+        focus = np.array(cone.beam.position) + cone.offset
+        x, z = per("um") * focus[:2] @ direction, per("um") * focus[2]
         for side in (-1, 1):
             end = z + side * length
             triangle = [(x, z), (x - slope * length, end), (x + slope * length, end)]

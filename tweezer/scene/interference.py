@@ -57,6 +57,11 @@ def groups(scene: Description) -> tuple[tuple[Beam, ...], ...]:
     return tuple(map(tuple, found.values()))
 
 
+def interferes(scene: Description) -> bool:
+    """Return whether any beams of a scene interfere, or reflected light does."""
+    return any(beam.coherent for beam in scene.beams) or bool(planes(scene))
+
+
 def check_interference(scene: Description) -> None:
     """Refuse coherent beams that cannot interfere, and mirrors without an effect or in the bead."""
     named = list(named_beams(scene.beams))
@@ -80,7 +85,7 @@ def check_interference(scene: Description) -> None:
             raise refusal(
                 f"{name}.polarisation = 'unpolarised': a coherent beam requires polarised light"
             )
-    if not any(beam.coherent for beam in scene.beams) and not planes(scene):
+    if not interferes(scene):
         return
     key = next((f"{name}.coherent" for name, beam in named if beam.coherent), "")
     key = key or planes(scene)[0].key

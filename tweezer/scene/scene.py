@@ -109,7 +109,7 @@ class Scene(Description):
 
     def with_one_beam(self, beam: Beam, offset: float = 0.0) -> Scene:
         """Return the scene with one beam alone, along +z through the origin, at rest and of
-        constant power.
+        constant power, without reflections.
 
         Parameters
         ----------
@@ -124,8 +124,16 @@ class Scene(Description):
             "direction": "up",
             "motion": None,
             "modulation": None,
+            "coherent": None,
+            "phase": 0.0,
+            "phasing": None,
         }
-        update = {"beam": beam.model_copy(update=at_rest), "more_beams": ()}
+        update: dict[str, Any] = {
+            "beam": beam.model_copy(update=at_rest), "more_beams": (), "mirror": None
+        }  # fmt: skip
+        if self.wall is not None and self.wall.reflects:
+            dark = {"reflects": False, "refractive_index": None}
+            update["wall"] = self.wall.model_copy(update=dark)
         if self.more_beams or offset:  # all beams use the same theory
             update["optics"] = self.optics.model_copy(update={"theory": self.theory})
         if offset:

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from tweezer.dynamics import Problem, bound_once
 from tweezer.dynamics.layout import TRANSLATION
 from tweezer.forces.force import Force
-from tweezer.optics import Beams, ray_optics_caveat
+from tweezer.optics import drawn_cones, ray_optics_caveat
 from tweezer.results.io import scene_of
 from tweezer.results.run import Run
 from tweezer.runs.resolved import resolved
@@ -88,13 +88,11 @@ def _moving_light(problem: Problem, times: Array) -> dict[str, Packed]:
 
     The dictionary is empty if light and power do not change with time.
     """
-    light = problem.light
-    if not isinstance(light, Beams) or all(
-        each.place.steady and each.strength.steady for each in light.forces
-    ):
+    cones = drawn_cones(problem.scene)
+    if all(each.place.steady and each.strength.steady for each in cones):
         return {}
-    foci = [[each.place.at(time) for each in light.forces] for time in times]
-    factors = [[each.strength.at(time)[0] for each in light.forces] for time in times]
+    foci = [[each.at(time) for each in cones] for time in times]
+    factors = [[each.strength.at(time)[0] for each in cones] for time in times]
     return {"foci": float32(foci, "m"), "factors": float32(factors, "1")}
 
 

@@ -33,6 +33,12 @@ _ANGLES = (0.0, math.pi / 3, 2 * math.pi / 3)
 _BETWEEN = 0.4
 #: Number of positions at which the tables are compared with the force that they approximate
 _COMPARED = 2000
+#: Largest error of such a table, as a part of the largest force, for which it is used
+_ROUGH = 0.02
+#: Number of nodes of a table over x, y and z, and number beyond each of its edges
+_NODES_OF_BOX, _BEYOND_BOX = 120_000, 5
+#: Number of cells to each side of a block for which the error of such a table is given
+_BLOCK = 6
 #: Largest distance from the origin that is shown, in bead radii beyond the farthest focus
 _WIDEST = 20.0
 #: Number of evenly spaced heights at which wall forces are tabulated, and of heights near each wall
@@ -98,6 +104,27 @@ class _Table:
 
 
 @dataclass(frozen=True)
+class _Grid:
+    """Optical force of light without an axis, relative to its focus, as a table over x, y and z."""
+
+    coefficients: Array
+    """(component, z, y, x) coefficients of cubic B-splines, N"""
+    step: float
+    """distance between neighbouring nodes, m"""
+    low: Array
+    """(3,) position x, y, z of the first node, m"""
+    errors: Array
+    """(z, y, x) largest deviation found in blocks of `_BLOCK` cells to each side, N"""
+
+    def force(self, places: Array) -> Array:
+        """Return the force (n, 3), N, at positions (n, 3) relative to the focus, m."""
+        at = ((places - self.low) / self.step).T[::-1]
+        return np.stack([
+            map_coordinates(part, at, order=3, prefilter=False) for part in self.coefficients
+        ], axis=1)  # fmt: skip
+
+
+@dataclass(frozen=True)
 class _Placed:
     """One beam of the scene at time 0: focus, power, direction, and the force of its light."""
 
@@ -151,7 +178,10 @@ def content(trap: Trap) -> Content:
                  "table": numbers[id(each.light)]}
                 for each in lights
             ],
-            "tables": [{"step": each.step, "low": each.low} for each in tables.values()],
+            "tables": [
+                {"step": each.step, "low": np.asarray(each.low).tolist(), "block": _BLOCK}
+                for each in tables.values()
+            ],
             "weight": list(problem.bead.weight),
             "centre": list(centre),
             "held": trap.equilibrium is not None,
@@ -221,17 +251,54 @@ def _placed(problem: Problem) -> list[_Placed]:
     ]
 
 
-def _tables(lights: list[_Placed], box: _Box) -> dict[int, _Table]:
-    """Return the force tables by the `id` of their light; beams with the same light share one."""
+def _tables(lights: list[_Placed], box: _Box) -> dict[int, _Table | _Grid]:
+    """Return the force tables by the `id` of their light; beams with the same light share one.
+
+    Light whose force depends on the angle in another way than `_Table` describes gets a `_Grid`.
+    """
     if not lights:
         return {}
     reach = math.sqrt(2) * box.across + max(float(np.hypot(*each.focus[:2])) for each in lights)
     corners = np.array([[0.0, 0.0, box.low], [0.0, 0.0, box.high]])
     ends = np.array([each.within(corners)[:, 2] for each in lights])
-    return {
-        id(light): _table(light, reach, float(ends.min()), float(ends.max()))
-        for light in {id(each.light): each.light for each in lights}.values()
-    }
+    found: dict[int, _Table | _Grid] = {}
+    for light in {id(each.light): each.light for each in lights}.values():
+        table = _table(light, reach, float(ends.min()), float(ends.max()))
+        found[id(light)] = table
+        if table.errors.max() > _ROUGH * np.abs(table.coefficients).max():
+            edges = box.across * np.array([-1.0, 1.0])
+            x, y, z = np.meshgrid(edges, edges, [box.low, box.high])
+            corners = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+            within = np.concatenate([
+                each.within(corners) for each in lights if each.light is light
+            ])  # fmt: skip
+            found[id(light)] = _grid(light, within.min(axis=0), within.max(axis=0))
+    return found
+
+
+def _grid(light: LightForce, low: Array, high: Array) -> _Grid:
+    """Tabulate the force of light without an axis in a box, from the corner `low` to `high`, m.
+
+    There are about `_NODES_OF_BOX` nodes, and some beyond the edges. The force at random positions
+    gives the errors.
+    """
+    step = float((np.prod(high - low) / _NODES_OF_BOX) ** (1 / 3))
+    counts = np.ceil((high - low) / step).astype(int) + 1 + 2 * _BEYOND_BOX
+    first = low - _BEYOND_BOX * step
+    x, y, z = (start + step * np.arange(count) for start, count in zip(first, counts, strict=True))
+    places = np.stack(np.meshgrid(z, y, x, indexing="ij")[::-1], axis=-1).reshape(-1, 3)
+    values = light.field(places).force.T.reshape(3, z.size, y.size, x.size)
+    for axis in (1, 2, 3):
+        values = spline_filter1d(values, order=3, axis=axis, mode="mirror")
+    inside = slice(_BEYOND_BOX - 1, 1 - _BEYOND_BOX)
+    kept = values[:, inside, inside, inside]
+    table = _Grid(kept, step, first + (_BEYOND_BOX - 1) * step, np.zeros(0))
+    random = np.random.default_rng(0).uniform(low, high, (_NODES_OF_BOX // 4, 3))
+    off = np.linalg.norm(table.force(random) - light.field(random).force, axis=1)
+    block = ((random - table.low) / (step * _BLOCK)).astype(int).T[::-1]
+    errors = np.zeros([-(-size // _BLOCK) for size in kept.shape[1:]])
+    np.maximum.at(errors, tuple(block), off)
+    return dataclasses.replace(table, errors=maximum_filter(errors, 3))
 
 
 def _table(light: LightForce, reach: float, low: float, high: float) -> _Table:
@@ -315,7 +382,7 @@ class _Compared(NamedTuple):
 
 
 def _compared(
-    problem: Problem, box: _Box, lights: list[_Placed], tables: dict[int, _Table],
+    problem: Problem, box: _Box, lights: list[_Placed], tables: dict[int, _Table | _Grid],
     walls: tuple[Array, Array],
 ) -> _Compared:  # fmt: skip
     """Compare the page's force with the force that it approximates, at 2000 random positions.

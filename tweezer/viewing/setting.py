@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from tweezer.optics import cone_caveat, drawn_half_angle, ray_optics_caveat
+from tweezer.optics import cone_caveat, drawn_cones, ray_optics_caveat
 from tweezer.scene import Scene
+from tweezer.scene.interference import planes as reflecting_planes
 from tweezer.scene.surfaces import surface_of
 from tweezer.viewing.arrays import float32
 
@@ -22,14 +23,14 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
         **_body(scene),
         "beams": [
             {
-                "focus": list(beam.position),
-                "half_angle": drawn_half_angle(alone),
-                "down": beam.direction == "down",
-                "wavelength": beam.wavelength / scene.medium.refractive_index,
-                "vacuum_wavelength": beam.wavelength,
+                "focus": each.at(0.0).tolist(),
+                "factor": float(each.strength.at(0.0)[0]),
+                "half_angle": each.half_angle,
+                "down": each.beam.direction == "down",
+                "wavelength": each.beam.wavelength / scene.medium.refractive_index,
+                "vacuum_wavelength": each.beam.wavelength,
             }
-            for beam in scene.beams
-            if (alone := scene.with_one_beam(beam)).lit
+            for each in drawn_cones(scene)
         ],
         "walls": _walls(scene),
         "temperature": scene.medium.temperature,
@@ -74,6 +75,7 @@ def _walls(scene: Scene) -> list[dict[str, Any]]:
     """
     cover = scene.lens.cover
     planes = {z: (normal, "wall") for z, normal in (scene.wall.planes if scene.wall else ())}
+    planes |= {each.position: (each.normal, each.key) for each in reflecting_planes(scene)}
     if cover is not None:
         same = [z for z in planes if math.isclose(z, -cover.depth, abs_tol=_SAME)]
         planes[same[0] if same else -cover.depth] = (1, "cover glass")

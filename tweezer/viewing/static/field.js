@@ -6,8 +6,8 @@ export class Field {
     const { facts, arrays } = content;
     this.weight = facts.weight;
     this.lights = facts.lights;
-    this.tables = facts.tables.map(({ step, low }, i) => ({
-      step, low, values: shell.array(`table_${i}`), shape: arrays[`table_${i}`].shape,
+    this.tables = facts.tables.map((table, i) => ({
+      ...table, values: shell.array(`table_${i}`), shape: arrays[`table_${i}`].shape,
       errors: shell.array(`errors_${i}`), cells: arrays[`errors_${i}`].shape,
     }));
     this.heights = shell.array("heights");
@@ -20,6 +20,13 @@ export class Field {
     for (const { focus, factor, down, table } of this.lights) {
       const turn = down ? -1 : 1;
       const [x, y, z] = [place[0] - focus[0], turn * (place[1] - focus[1]), turn * (place[2] - focus[2])];
+      if (this.tables[table].cells.length === 3) {
+        const along = this.inBox(this.tables[table], [x, y, z]);
+        force[0] += factor * along[0];
+        force[1] += turn * factor * along[1];
+        force[2] += turn * factor * along[2];
+        continue;
+      }
       const rho = Math.hypot(x, y), cosine = rho > 0 ? x / rho : 1, sine = rho > 0 ? y / rho : 0;
       const [outward, around, along] = this.about(this.tables[table], rho, z, cosine, sine);
       force[0] += factor * (cosine * outward - sine * around);
@@ -51,11 +58,35 @@ export class Field {
     return found;
   }
 
+  // Components along x, y and z, from a table over a box.
+  inBox({ step, low, values, shape }, place) {
+    const [, tall, deep, wide] = shape, sizes = [wide, deep, tall];
+    const at = place.map((x, k) => Math.min(Math.max((x - low[k]) / step, 1), sizes[k] - 2.001));
+    const [i, j, k] = at.map(Math.floor), [a, b, c] = at.map((u) => weights(u - Math.floor(u)));
+    return [0, 1, 2].map((component) => {
+      let sum = 0;
+      for (let n = 0; n < 4; n++)
+        for (let m = 0; m < 4; m++) {
+          const first = ((component * tall + k - 1 + n) * deep + j - 1 + m) * wide + i - 1;
+          sum += c[n] * b[m] * (a[0] * values[first] + a[1] * values[first + 1] + a[2] * values[first + 2] + a[3] * values[first + 3]);
+        }
+      return sum;
+    });
+  }
+
   // How far the force there may be off what the tables stand for, N.
   off(place) {
     let sum = 0;
     for (const { focus, factor, down, table } of this.lights) {
-      const { step, low, errors, cells } = this.tables[table], turn = down ? -1 : 1;
+      const { step, low, block, errors, cells } = this.tables[table], turn = down ? -1 : 1;
+      if (cells.length === 3) {
+        const at = [0, 1, 2].map((k) => {
+          const x = (k ? turn : 1) * (place[k] - focus[k]);
+          return Math.min(Math.max(Math.floor((x - low[k]) / (step * block)), 0), cells[2 - k] - 1);
+        });
+        sum += Math.abs(factor) * errors[(at[2] * cells[1] + at[1]) * cells[2] + at[0]];
+        continue;
+      }
       const rho = Math.hypot(place[0] - focus[0], place[1] - focus[1]), z = turn * (place[2] - focus[2]);
       const i = Math.min(Math.floor(rho / step), cells[1] - 1), j = Math.min(Math.max(Math.floor((z - low) / step - 1), 0), cells[0] - 1);
       sum += Math.abs(factor) * errors[j * cells[1] + i];

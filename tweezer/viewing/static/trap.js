@@ -39,9 +39,9 @@ export function start(content, shell) {
   const near = ({ z }) => Math.abs(z) < 3e-6 * reach;
   const walls = facts.walls.filter(near).map(({ z, normal, name }) => stage.wall(1e6 * z, normal, name));
   shell.outside(facts.walls.filter((wall) => !near(wall)));
-  const beams = facts.lights.map((light, k) => {
-    const beam = stage.beam(facts.beams[k], 1.4 * reach);
-    beam.place(light.focus.map(micro), light.factor);
+  const beams = facts.beams.map((cone) => {
+    const beam = stage.beam(cone, 1.4 * reach);
+    beam.place(cone.focus.map(micro), cone.factor);
     return beam;
   });
   const bead = stage.bead(facts.shells.map(micro));
@@ -178,8 +178,8 @@ export function start(content, shell) {
     };
     pen.save();
     pen.beginPath(); pen.rect(left, top, right - left, bottom - top); pen.clip();
-    for (const [k, light] of facts.lights.entries()) {
-      const { half_angle, wavelength } = facts.beams[k];
+    for (const light of facts.beams) {
+      const { half_angle, wavelength } = light;
       const waist = wavelength / (2 * Math.sin(half_angle)), slope = Math.tan(half_angle);
       if (across !== "z") {
         // the hyperbola in which the slice cuts the cone
