@@ -26,7 +26,13 @@ tweezer.seek(first + arguments[0] * (last - first));"""
 #: shipped scenes on a figure of the whole page, and the part of the run that is over in it
 SHOWN = {"silica-1um": 0.03, "flipping-rod": 0.2855}
 #: the same for the thumbnails, of all shipped scenes; 0.1 if not listed
-THUMBNAILS = {"moving-trap": 0.6, "two-traps": 0.3, "flipping-rod": 0.2855}
+THUMBNAILS = {
+    "moving-trap": 0.6,
+    "two-traps": 0.3,
+    "flipping-rod": 0.2855,
+    "optical-conveyor": 0.4,
+    "three-foci": 0.4,
+}
 #: how many times the key I enlarges the view of a thumbnail; 0 if not listed
 NEARER = {"flipping-rod": 4}
 NEAR = """
