@@ -1,7 +1,7 @@
 """Trap stiffness from signals of a quadrant diode: how often intervals contain the true value.
 
 `python -m tests.detector_coverage [RECORDINGS]` simulates recordings of a 1 um silica bead with 20,
-50 and 200 nm rms along x. It calibrates them by the detector of their scene, by the slopes of its
+50 and 100 nm rms along x. It calibrates them by the detector of their scene, by the slopes of its
 signals at the equilibrium, and, for comparison, by the positions themselves. For each axis it
 prints the share of 95 % confidence intervals that contain the true stiffness, averaged over the
 thermal motion, and the mean deviation from it. It takes several minutes.
@@ -22,7 +22,7 @@ from tweezer.tracking.mean_spring import mean_spring
 
 BOLTZMANN = 1.380649e-23
 #: rms along x, m; number of samples of a recording, and their number in a relaxation time
-SPREADS, SAMPLES, EACH = (20e-9, 50e-9, 200e-9), 4001, 4
+SPREADS, SAMPLES, EACH = (20e-9, 50e-9, 100e-9), 4001, 4
 METHOD = "power spectrum"
 
 

@@ -46,6 +46,11 @@ def test_positions_are_those_of_the_signals(found):
     assert np.abs(linear - POSITIONS)[:, 0].max() > 2e-8
 
 
+def test_recording_of_signals_is_shown_in_milliwatts():
+    row = str(recorded(SIGNALS)).split("x, standard deviation")[1].splitlines()[0]
+    assert row.split() == [f"{1e3 * SIGNALS[:, 0].std():.4g}", "mW"]
+
+
 def test_note_contains_the_linear_range(found):
     ends = tweezer.detect(SCENE)["linear_range"].values
     assert found.note.startswith("the signals are linear within 5 % up to ")

@@ -49,5 +49,5 @@ def with_error(value: float, error: float | None, unit: str, sign: str = "+-") -
 
 
 def signal_unit(unit: str) -> str:
-    """Return the unit in which small signals in "m" or "V" are printed: "nm" or "mV"."""
-    return "mV" if unit == "V" else "nm"
+    """Return the unit in which small signals in "m", "V" or "W" are printed: "nm", "mV" or "mW"."""
+    return {"V": "mV", "W": "mW"}.get(unit, "nm")

@@ -51,6 +51,9 @@ CASES = {
         0.25e-6, 1.57, (), {"polarisation": "unpolarised"},
         {"numerical_aperture": 1.2, "side": "backward"},
     ),
+    "unpolarised": (
+        0.2e-6, 1.45, (), {"polarisation": "unpolarised"}, {"numerical_aperture": 0.9},
+    ),
     "coma": (0.2e-6, 1.45, ((3, -1, 0.02),), {}, {"numerical_aperture": 0.9}),
     "momentum": (
         0.25e-6, 1.57, (), {"polarisation": "radial"},
