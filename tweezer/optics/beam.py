@@ -14,6 +14,8 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 
 from tweezer.optics import shaped
+from tweezer.optics.mask import Mask, mask_of
+from tweezer.optics.zernike import gauss
 from tweezer.scene import Scene
 from tweezer.scene.sections import Beam, Lens, Medium
 from tweezer.values.arrays import Array
@@ -28,6 +30,10 @@ _DARK = 47.0
 _FAINT = 42.0
 #: Smallest part of a beam's power that may pass the pupil
 _LEAST_FRACTION = 1e-100
+#: Smallest part of the light within the pupil that may pass an annulus or a mask
+_LEAST_PASSED = 1e-9
+#: Numbers of rings and azimuths for the power that passes
+_RINGS, _AZIMUTHS = 400, 512
 #: Largest degree of a series, enough for light up to 85 degrees off the axis
 LARGEST_DEGREE = 120
 
@@ -49,6 +55,8 @@ class Cone:
     shape: Profile
     """power per solid angle, 1/sr, of 1 W, at 1 - cos(theta): the same to full accuracy where it is
     small; of a table, the series where it is positive"""
+    inner: float = 0.0
+    """rad, polar angle of the innermost rays"""
 
     def radiance(self, cosine: Array) -> Array:
         """Return the power per solid angle, W/sr, at polar angles of these cosines in the cone."""
@@ -63,7 +71,8 @@ class Cone:
         if self.power == 0:
             return math.sin(self.half_angle)
         x, weight = _nodes()
-        below = _versine(self.half_angle) * (1 + x) / 2  # 1 - cos(theta)
+        inner = _versine(self.inner)
+        below = inner + (_versine(self.half_angle) - inner) * (1 + x) / 2  # 1 - cos(theta)
         power = weight * self.radiance(1 - below)
         return math.sqrt(2 * float(power @ (below * (2 - below))) / float(power.sum()))
 
@@ -95,7 +104,9 @@ def cone(scene: Scene) -> Cone:
         return Cone(_polar_angle(lens.radius, lens, medium), np.zeros(1), 0.0, 0.0, np.zeros_like)
     power = total_power(lens, beam) * fraction_through_pupil(lens, beam)
     shape = _shape_behind(lens, beam, medium)
-    return Cone(shape.half_angle, shape.series * power, power, shape.deviation, shape.radiance)
+    return Cone(
+        shape.half_angle, shape.series * power, power, shape.deviation, shape.radiance, shape.inner
+    )
 
 
 def total_power(lens: Lens, beam: Beam) -> float:
@@ -110,7 +121,59 @@ def total_power(lens: Lens, beam: Beam) -> float:
 
 
 def fraction_through_pupil(lens: Lens, beam: Beam) -> float:
-    """Return the fraction of the beam's power that passes the pupil of radius R.
+    """Return the fraction of the beam's power that passes the pupil, its annulus and its mask.
+
+    Raises `SceneError` as `_within_pupil`, and for a mask as `tweezer.optics.mask.mask_of`.
+    """
+    return _within_pupil(lens, beam) * _passed(lens, beam)
+
+
+def _passed(lens: Lens, beam: Beam) -> float:
+    """Return the fraction of the light within the pupil that passes its annulus and its mask."""
+    mask = mask_of(beam, lens.radius)
+    if (mask is None or mask.lossless) and beam.annulus is None:
+        return 1.0
+    phi = 2 * math.pi * np.arange(_AZIMUTHS) / _AZIMUTHS
+
+    def power(low: float, high: float, passing: Mask | None) -> float:
+        """Return the power between two radii, in any unit, that passes a mask."""
+        x, weight = gauss(_RINGS)
+        rho = low + (high - low) * (x + 1) / 2
+        light = np.broadcast_to(_profile(beam)(rho)[:, None], (_RINGS, _AZIMUTHS))
+        if beam.shaped:
+            x, y = rho[:, None] * np.cos(phi), rho[:, None] * np.sin(phi)
+            light = shaped.amplitude(beam, x, y) ** 2
+        if passing is not None:
+            light = light * passing.transmitted(rho / lens.radius, phi)
+        return float((high - low) * (weight * rho) @ light.mean(axis=1))
+
+    edge = _edge(lens, beam)
+    low, high = _open(beam, edge)
+    passed = power(low, high, mask) if low < high else 0.0
+    fraction = passed / power(0.0, edge, None)
+    if not fraction > _LEAST_PASSED:
+        key = f"beam.mask = {beam.mask!r}" if mask else f"beam.annulus = {beam.annulus}"
+        raise SceneError(f"{key}: transmits almost none of the light")
+    return fraction
+
+
+def _edge(lens: Lens, beam: Beam) -> float:
+    """Return the radius in the pupil, m, beyond which a beam has no light that counts."""
+    if beam.sigma is not None and not beam.shaped:
+        return min(lens.radius, beam.sigma * math.sqrt(2 * _dark(_ring(beam))))
+    if beam.profile == "table":
+        return min(lens.radius, _outermost(beam))
+    return lens.radius
+
+
+def _open(beam: Beam, edge: float) -> tuple[float, float]:
+    """Return the radii, m, between which the light of a beam passes, up to the `edge`, m."""
+    low, high = beam.annulus or (0.0, edge)
+    return low, min(high, edge)
+
+
+def _within_pupil(lens: Lens, beam: Beam) -> float:
+    """Return the fraction of the beam's power within the pupil of radius R.
 
     With t = R^2/(2 sigma^2) a Gaussian has 1 - exp(-t). A beam of intensity t^n exp(-t) has the
     incomplete gamma function P(n + 1, t). For a Gaussian beam with a vortex, which is
@@ -207,6 +270,8 @@ class _Shape:
     """largest difference between the series and the beam's profile, as a part of the peak"""
     radiance: Profile
     """power per solid angle, 1/sr, at 1 - cos(theta)"""
+    inner: float
+    """rad, polar angle of the innermost rays"""
 
 
 def _shape_behind(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
@@ -224,12 +289,8 @@ def _shape_of_one_watt(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
 
     Raises `SceneError` if the series does not describe it, see `cone`.
     """
-    edge = lens.radius
-    if beam.sigma is not None and not beam.shaped:
-        edge = min(edge, beam.sigma * math.sqrt(2 * _dark(_ring(beam))))
-    elif beam.profile == "table":
-        edge = min(edge, _outermost(beam))
-    half_angle = _polar_angle(edge, lens, medium)
+    inner, edge = _open(beam, _edge(lens, beam))
+    half_angle, inner = (_polar_angle(each, lens, medium) for each in (edge, inner))
     versine = _versine(half_angle)
     profile = _profile(beam)
 
@@ -260,7 +321,7 @@ def _shape_of_one_watt(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
             f"lens: the light reaches {math.degrees(half_angle):.5g} degrees off the axis, too "
             f"near to 90 for a series of degree {LARGEST_DEGREE}"
         )
-    power = math.pi * versine * Chebyshev(series).integ(lbnd=-1)(1.0)
+    power = math.pi * versine * Chebyshev(series).integ(lbnd=-1)(1 - 2 * _versine(inner) / versine)
     one_watt = Chebyshev(series / power)
 
     def of_one_watt(below: Array) -> Array:
@@ -269,7 +330,7 @@ def _shape_of_one_watt(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
             return np.maximum(one_watt(1 - 2 * below / versine), 0.0)
         return radiance(below) / power
 
-    return _Shape(half_angle, series / power, deviation, of_one_watt)
+    return _Shape(half_angle, series / power, deviation, of_one_watt, inner)
 
 
 def _series(function: Profile, *, left_out: float, checked_at: Array) -> tuple[Array, float]:

@@ -217,7 +217,8 @@ _COLUMNS = {"motion": ("positions", 3), "modulation": ("factors", 1), "phasing":
 def with_tables(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Return the data of a scene with the tables from files that its beams name.
 
-    File names are relative to `folder`; the bead's mesh and T-matrix are named by the whole path. A
+    File names are relative to `folder`; masks and the bead's mesh and T-matrix are named by the
+    whole path. A
     row of the CSV file has a time, s, and then x, y, z, m,
     or a factor. The first row may be a heading. Raises `ValueError` for an invalid file.
     """
@@ -242,6 +243,8 @@ def _with_tables_of(name: str, beam: Any, folder: Path) -> Any:
     if not isinstance(beam, Mapping):
         return beam
     beam = dict(beam)
+    if isinstance(beam.get("mask"), str):
+        beam["mask"] = str((folder / beam["mask"]).absolute())
     for section, (key, columns) in _COLUMNS.items():
         course = beam.get(section)
         if isinstance(course, Mapping) and isinstance(course.get("file"), str):

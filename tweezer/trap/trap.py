@@ -326,7 +326,8 @@ class Trap(Comparable, Result):
         return Card(
             "Trap", self.scene.name,
             (
-                Row("power through the pupil", power), *self._efficiencies(), *self._held(),
+                Row("power through the pupil", power), *self._mask(), *self._efficiencies(),
+                *self._held(),
                 *self._others(), *own,
                 Row("error of the force", printed(self.force_error, "pN", 1), of="force_error",
                     detail=below_four_digits(weakest, self.force_error)),
@@ -334,6 +335,13 @@ class Trap(Comparable, Result):
             ),
             (self._escapes(),) if self._ways_out else (),
         )  # fmt: skip
+
+    def _mask(self) -> Iterator[Row]:
+        """Yield the row of the mask of the only beam."""
+        from tweezer.optics.waves.terms import mask_light  # most scenes have no mask
+
+        if self.scene.beam.mask is not None and (found := mask_light(self.scene)):
+            yield found.row()
 
     def _efficiencies(self) -> Iterator[Row]:
         """Yield the rows of the efficiencies, for one beam at rest at the origin."""

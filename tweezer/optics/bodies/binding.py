@@ -21,6 +21,7 @@ from tweezer.optics.waves.harmonics import elements
 from tweezer.optics.waves.kernel import guarded_elements
 from tweezer.optics.waves.light import Waves
 from tweezer.optics.waves.nodes import Nodes
+from tweezer.optics.waves.terms import nodes_of
 from tweezer.values.arrays import Array
 
 ComplexArray = NDArray[np.complex128]
@@ -67,19 +68,27 @@ class _Bound:
         return max(SMALL * self.tolerance, ROUNDING)
 
     @functools.cached_property
+    def reached(self) -> tuple[Waves, Nodes]:
+        """The light that counts within the reach, and nodes over its cone."""
+        change, degrees = np.abs(self.body.change), self.body.modes[:, 0]
+        sizes = np.hypot(np.linalg.norm(change, axis=0), np.linalg.norm(change, axis=1))
+        of_degrees = np.array([sizes[degrees == l].max() for l in np.unique(degrees)])
+        return nodes_of(self.light, self.small, self.reach, of_degrees)
+
+    @property
     def nodes(self) -> Nodes:
         """Nodes over the cone of light."""
-        return Nodes(self.light.focus, self.light.kinds, self.small)
+        return self.reached[1]
 
     @functools.cached_property
     def states(self) -> tuple[State, ...]:
         """Polarised parts of the light, without mirror images."""
-        return full_states(self.light.harmonic_states)
+        return full_states(self.reached[0].harmonic_states)
 
     @functools.lru_cache(maxsize=4)  # noqa: B019
     def source(self, highest: int) -> tuple[Any, ...]:
         """Return the fields of `partial_waves.Source` for a highest degree."""
-        return source(self.light, self.states, self.nodes, self.reach, highest, self.small)
+        return source(self.reached[0], self.states, self.nodes, self.reach, highest, self.small)
 
     def data(self, degree: int, room: int, cut_error: float) -> Data:
         """Return the data for S - 1 up to a degree.

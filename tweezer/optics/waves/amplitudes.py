@@ -33,7 +33,6 @@ from tweezer.optics.waves.focus import State
 from tweezer.optics.waves.grid import add_uneven_part, azimuthal_orders, grid_of, size_of
 from tweezer.optics.waves.kernel import BEGIN, END, Room, room_of
 from tweezer.optics.waves.light import Waves
-from tweezer.optics.waves.nodes import Nodes
 from tweezer.optics.waves.partial_waves import (
     HELICITY,
     OPTIONS,
@@ -42,6 +41,7 @@ from tweezer.optics.waves.partial_waves import (
     rule_for,
     source_of,
 )
+from tweezer.optics.waves.terms import nodes_of
 from tweezer.values.arrays import Array
 
 # entries of a path: its place, its factor of the power and its phase (`Course`), the numbers below,
@@ -122,8 +122,8 @@ def bound_paths(
     for path in paths:
         light = path.light
         share = math.sqrt(light.cone.power / total)
-        nodes = Nodes(light.focus, light.kinds, small)
         far = path.farthest(reach, end)
+        light, nodes = nodes_of(light, small, far)
         numbers = share, float(path.down), float(path.mirror is not None), path.mirror or 0.0
         entries += [
             *path.place.entries(), *path.strength.entries(), *path.phase.entries(),

@@ -24,6 +24,7 @@ from tweezer.optics.waves.kernel import (
 from tweezer.optics.waves.light import Waves
 from tweezer.optics.waves.nodes import Nodes, Rule
 from tweezer.optics.waves.sphere import mie_coefficients, weights
+from tweezer.optics.waves.terms import nodes_of
 from tweezer.values.arrays import Array
 
 ComplexArray = NDArray[np.complex128]
@@ -76,7 +77,7 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
     states = light.states if light.uneven else light.harmonic_states
     components = 1 if all(each.pure for each in states) else 2
     sphere, needed, highest = sphere_and_degree(light, small, components)
-    nodes = Nodes(light.focus, light.kinds, small)
+    light, nodes = nodes_of(light, small, reach)
     grid = uneven_grid(light, nodes, reach, needed + 1) if light.uneven else ()
     data = packed(
         light.strength * UNIT, light.strength, tolerance, nodes.error * light.strength,
@@ -147,7 +148,7 @@ def source(
     parts = [part for state in states for part in state.parts]
     of_nodes = np.concatenate(
         [
-            _of_nodes(light.focus, rule, shift, parts, many)
+            _of_nodes(rule.focus or light.focus, rule, shift, parts, many)
             for rule, many in zip(rules, padded, strict=True)
         ],
         axis=1,
@@ -175,16 +176,18 @@ def uneven_grid(light: Waves, nodes: Nodes, reach: float, top: int) -> tuple[Any
     """
     assert light.pupil is not None
     most = top + max(abs(part.angular_momentum) for each in light.states for part in each.parts)
-    widest = max(map(abs, light.pupil.orders))
     least, (across, _) = light.size_parameter * light.focus.half_angle, nodes.variable.phases
     rules, factors, circles, at, turn = [], [], [], 0, 0
     for rule in _rules(light, nodes, reach):
+        focus = rule.focus or light.focus
+        assert focus.pupil is not None
+        widest = max(map(abs, focus.pupil.orders))
         x = (rule.largest_phase - least) / across * math.sin(light.focus.half_angle)
         count = 2 * math.ceil((most + widest + x + 5 * x ** (1 / 3) + 8) / 2)
         phi = 2 * math.pi * np.arange(count) / count
         padded = -(-len(rule.below) // LANES) * LANES
         factor = np.zeros((count, 2, padded))
-        values = light.focus.factor(rule.below, phi).T
+        values = focus.factor(rule.below, phi).T
         factor[:, 0, : len(rule.below)], factor[:, 1, : len(rule.below)] = values.real, values.imag
         rules.append((count, at, turn))
         factors.append(factor.ravel())

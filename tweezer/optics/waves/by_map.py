@@ -25,12 +25,13 @@ from tweezer.scene import Scene
 _FINER = 0.01
 
 _SOURCES = sources(
-    "compiled.lanes", "generated.spline", "generated.waves", "optics.polynomials", "optics.shaped",
+    "compiled.lanes", "generated.spline", "generated.waves", "optics.mask", "optics.polynomials",
+    "optics.shaped", "optics.zernike",
     *(
         f"optics.waves.{name}"
         for name in (
             "binding", "box", "by_map", "by_quadrature", "focus", "grid", "harmonics", "kernel",
-            "lattice", "light", "nodes", "partial_waves", "pupil", "sphere",
+            "lattice", "light", "nodes", "partial_waves", "pupil", "sphere", "terms",
         )
     ),
 )  # fmt: skip
@@ -85,9 +86,8 @@ def _stored(
     reach = of_bead.wavenumber * scene.table_reach
     shells = [(of_bead.wavenumber * outer, index) for outer, index in of_bead.shells]
     key = table.key(
-        _SOURCES, of_bead.cone, of_bead.cone.half_angle, of_bead.states, of_bead.face,
-        of_bead.pupil, shells,
-        tolerance, reach,
+        _SOURCES, of_bead.cone, of_bead.cone.half_angle, of_bead.cone.inner, of_bead.states,
+        of_bead.face, of_bead.pupil, shells, tolerance, reach,
     )  # fmt: skip
     make = functools.partial(_made, of_bead, tolerance, reach, progress)
     kind: type[Lattice | Spline] = Lattice if _twofold(of_bead) else Spline

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -154,7 +154,7 @@ def _unmirrored(
     return tuple(found)
 
 
-def of_harmonics(states: tuple[State, ...], orders: tuple[int, ...]) -> tuple[State, ...]:
+def of_harmonics(states: tuple[State, ...], orders: Sequence[int]) -> tuple[State, ...]:
     """Return states in light with harmonics q of the pupil's factor, which add q to J_z."""
     return tuple(
         State(each.weight, tuple(
@@ -217,6 +217,13 @@ class Focus:
             return self.cone.half_angle
         return behind_face(self.cone.half_angle, self.face.before, self.face.behind)
 
+    @property
+    def inner(self) -> float:
+        """Polar angle of the innermost wave, rad."""
+        if self.face is None:
+            return self.cone.inner
+        return behind_face(self.cone.inner, self.face.before, self.face.behind)
+
     def amplitudes(self, below: Array) -> tuple[ComplexArray, ComplexArray]:
         """Return the amplitudes of the light along e_theta and e_phi at 1 - cos(theta) = `below`.
 
@@ -241,7 +248,12 @@ class Focus:
         if self.pupil is None:
             return dict.fromkeys(orders, even)
         found = self.pupil.harmonics(self._in_front(below))
-        return {order: even if order is None else found[order] for order in orders}
+        known: Sequence[int] = self.pupil.orders
+        none = np.zeros(len(below), np.complex128)
+        return {
+            order: even if order is None else found[order] if order in known else none
+            for order in orders
+        }
 
     def factor(self, below: Array, phi: Array) -> ComplexArray:
         """Return the pupil's factor at 1 - cos(theta) = `below` (n,) and azimuths (m,), (n, m)."""

@@ -99,6 +99,10 @@ def by_direction(light: Waves, below: Array, phi: Array) -> ComplexArray:
     -------
     ndarray of complex, shape (states, 2, n, m)
     """
+    masked = light.pupil is not None and light.pupil.mask is not None
+    if masked or light.cone.inner > 0:
+        key = "mask" if masked else "annulus"
+        raise SceneError(f"beam.{key}: cannot be combined with a detector; remove one of them")
     along, across = light.focus.amplitudes(below)
     found = np.zeros((len(light.states), 2, len(below), len(phi)), np.complex128)
     for g, state in zip(found, light.states, strict=True):

@@ -14,6 +14,7 @@ from tweezer.forces.equilibria import Search
 from tweezer.forces.rings import Box
 from tweezer.optics.beam import cone, relative_radius
 from tweezer.optics.light import SPEED_OF_LIGHT, Light, jones_vector
+from tweezer.optics.mask import mask_of
 from tweezer.optics.waves.focus import Face, Focus, State, of_harmonics, states
 from tweezer.optics.waves.pupil import Pupil, Shape
 from tweezer.scene import Scene
@@ -63,7 +64,7 @@ class Waves(Light):
     @property
     def uneven(self) -> bool:
         """Whether the pupil's factor differs around the axis; `states` then do not contain it."""
-        return self.pupil is not None and self.pupil.orders != (0,)
+        return self.pupil is not None and not self.pupil.even
 
     @property
     def harmonic_states(self) -> tuple[State, ...]:
@@ -155,13 +156,22 @@ def waves_on_bead(scene: Scene) -> Waves:
     for spot in beam.focus or ():
         x, y, z = (in_front * each for each in spot.position)
         spots.append((x, y, z, spot.amplitude * cmath.exp(1j * spot.phase)))
-    if beam.wavefront or beam.shaped or spots:
+    mask = mask_of(beam, scene.lens.radius)
+    factors = beam.wavefront, beam.modulation_terms, beam.axicon, beam.shaped, spots
+    if any(factors) or mask is not None:
         of_one_watt = beam.model_copy(update={"power": None, "power_through_pupil": 1.0})
         shape = Shape(of_one_watt, scene.lens.radius) if beam.shaped else None
         pupil = Pupil(
-            beam.wavefront, scene.lens.map == "tan", relative_radius(scene), shape, tuple(spots)
+            beam.wavefront,
+            scene.lens.map == "tan",
+            relative_radius(scene),
+            shape,
+            tuple(spots),
+            mask=mask,
+            modulation=beam.modulation_terms,
+            axicon=beam.axicon,
         ).normalised(light_cone)
-    uneven = pupil is not None and pupil.orders != (0,)
+    uneven = pupil is not None and not pupil.even
     return Waves(
         cone=light_cone,
         momentum_per_energy=n_m / SPEED_OF_LIGHT,

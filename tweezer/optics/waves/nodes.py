@@ -47,6 +47,8 @@ class Variable:
     """rad, of the cone"""
     of_angle: bool
     """whether the variable is theta"""
+    inner: float = 0.0
+    """rad, angle at which the light begins"""
 
     @property
     def phases(self) -> tuple[float, float]:
@@ -55,7 +57,8 @@ class Variable:
         The phase is k r.s of a plane wave along s at r. Its slope over the variable is largest on
         the axis for r across the light; the value is the phase of that slope over all of the cone.
         On the axis sin(theta) is 2 sin(theta_m/2) y, y^2 = (1 - cos(theta))/(1 - cos(theta_m)), and
-        even functions of y are functions of y^2 of half the degree.
+        even functions of y are functions of y^2 of half the degree. For light that begins at an
+        angle, the phases over the whole cone are upper bounds.
         """
         if self.of_angle:
             return self.half_angle, math.sin(self.half_angle) * self.half_angle
@@ -64,13 +67,15 @@ class Variable:
     def at(self, x: Array) -> tuple[Array, Array]:
         """Return 1 - cos(theta) and the derivative of cos(theta) over x.
 
-        x goes from -1, the rim of the cone, to 1, the axis.
+        x goes from -1, the rim of the cone, to 1, the axis or the angle at which light begins.
         """
         if self.of_angle:
-            theta = self.half_angle * (1 - x) / 2
-            return 2 * np.sin(theta / 2) ** 2, np.sin(theta) * self.half_angle / 2
-        width = 2 * math.sin(self.half_angle / 2) ** 2
-        return width * (1 - x) / 2, np.full_like(x, width / 2)
+            width = self.half_angle - self.inner
+            theta = self.inner + width * (1 - x) / 2
+            return 2 * np.sin(theta / 2) ** 2, np.sin(theta) * width / 2
+        inner = 2 * math.sin(self.inner / 2) ** 2
+        width = 2 * math.sin(self.half_angle / 2) ** 2 - inner
+        return inner + width * (1 - x) / 2, np.full_like(x, width / 2)
 
 
 @dataclass(frozen=True)
@@ -83,6 +88,8 @@ class Rule:
     """(n,) of the integral over cos(theta)"""
     largest_phase: float
     """rad"""
+    focus: Focus | None = None
+    """the light that it integrates; None for all light"""
 
 
 @dataclass(frozen=True)
@@ -99,6 +106,10 @@ class Nodes:
     (`Part.odd`)"""
     wanted: float
     """wanted error of an integral, as a part of the integral of the light's amplitude"""
+    given: Variable | None = None
+    """variable of integration; chosen if it is None"""
+    degrees: int = _MOST_DEGREES
+    """degree of the Chebyshev series for which the light is sampled"""
 
     @property
     def error(self) -> float:
@@ -116,7 +127,9 @@ class Nodes:
         """
         if self.focus.face is None:
             return 0.0
-        below, _ = Variable(self.focus.half_angle, False).at(np.linspace(-1, 1, 2001))
+        below, _ = Variable(self.focus.half_angle, False, self.focus.inner).at(
+            np.linspace(-1, 1, 2001)
+        )
         along, across = self.focus.amplitudes(below)
         light = along + across
         turned = np.unwrap(np.angle(light))
@@ -129,9 +142,13 @@ class Nodes:
         The series is given by the sizes of its coefficients and the error that these leave, both as
         parts of the largest amplitude.
         """
+        if self.given is not None:
+            return self.given, *self._coefficients(self.given)
         found = [
             (variable, *self._coefficients(variable))
-            for variable in (Variable(self.focus.half_angle, each) for each in (False, True))
+            for variable in (
+                Variable(self.focus.half_angle, each, self.focus.inner) for each in (False, True)
+            )
         ]
         (_, few, error), (_, other, other_error) = found
         wide = 1.3 * len(other) + 8  # theta needs more nodes for the bead's part
@@ -143,7 +160,7 @@ class Nodes:
         Coefficients of high degree that do not count are left out. Sizes and error are parts of the
         largest amplitude. Raises `SceneError` if the series converges too slowly.
         """
-        n = _MOST_DEGREES
+        n, used = self.degrees, min(_MOST_USED, 3 * self.degrees // 4)
         below, _ = variable.at(np.cos(np.pi * np.arange(n + 1) / n))
         along, across = self.focus.amplitudes(below)
         light = np.stack([along, across]) * np.exp(-1j * self.shift * below)
@@ -158,18 +175,18 @@ class Nodes:
         series[:, [0, -1]] /= 2
         sizes = np.abs(series).max(axis=0) / np.abs(values).max()
         tail = np.cumsum(sizes[::-1])[::-1]
-        error = max(self.wanted, float(tail[_MOST_USED]))
+        error = max(self.wanted, float(tail[used]))
         if error > _LARGEST_ERROR and variable.of_angle:
             cause = "beam.profile" if self.focus.face is None else "lens.cover.depth"
             if self.focus.pupil is not None:
                 cause = "beam"
             raise SceneError(
                 f"{cause}: the light behind the lens is too uneven for wave optics; a series of "
-                f"degree {_MOST_USED} differs by {error:.2g} of its peak, allowed: "
+                f"degree {used} differs by {error:.2g} of its peak, allowed: "
                 f"{_LARGEST_ERROR:g}"
             )
         # those of high degree are rounding
-        least = max(0.1 * error, 2 * float(tail[_MOST_USED]))
+        least = max(0.1 * error, 2 * float(tail[used]))
         return sizes[: max(1, int((tail > least).sum()))], error
 
     @functools.cached_property

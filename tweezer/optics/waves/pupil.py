@@ -5,9 +5,12 @@ that comes from there. An aberration gives the light the factor
 
     T = exp(2 pi i sum_nm c_nm Z_n^m(rho, phi)) = sum_q t_q(rho) exp(i q phi).
 
-The amplitude of a beam that is not round (`tweezer.optics.shaped`) is another factor. A hologram is
-a third: the sum of a exp(i psi - i k s.r) over its foci at r. T is divided by the root of its mean
-square, weighted by the power, so that it leaves the power unchanged. A harmonic q adds q to the
+An axicon adds the phase -a rho. The amplitude of a beam that is not round
+(`tweezer.optics.shaped`), or 1 + sum_nm a_nm Z_n^m, is another factor. A hologram is
+a third: the sum of a exp(i psi - i k s.r) over its foci at r. A mask of pixels is a fourth
+(`tweezer.optics.mask`); only its Zernike terms up to a degree reach the bead. T is divided by the
+root of its mean square, weighted by the power, so that it leaves the power unchanged; that of a
+mask includes the light beyond the degree. A harmonic q adds q to the
 angular momentum about the axis. Each is therefore a part of the light. t_q(rho) is rho^|q| times an
 even function of rho.
 """
@@ -17,13 +20,16 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.optics.beam import Cone
+from tweezer.optics.mask import Mask, harmonic_sum
 from tweezer.optics.shaped import amplitude
+from tweezer.optics.zernike import gauss, radial_sums
 from tweezer.scene.sections import Beam
 from tweezer.scene.sections.pupil import Zernike
 from tweezer.values.arrays import Array
@@ -38,6 +44,8 @@ _NONE = 1e-13
 _ASIDE, _APART, _RINGS, _BRIGHT, _MOST_FOCI = 24, 0.5, 32, 0.3, 8
 #: Number of nodes over the polar angle for the power
 _RINGS_OF_POWER = 400
+#: Number of azimuths for the power of the light that a mask transmits
+_AZIMUTHS_OF_POWER = 512
 #: Numbers of azimuths at which T is sampled, and of radii at which its harmonics are compared
 _FEWEST_AZIMUTHS, _MOST_AZIMUTHS, _RADII = 32, 4096, 129
 
@@ -73,17 +81,55 @@ class Pupil:
     one focus"""
     size: float = 1.0
     """root mean square of T before it is divided by it"""
+    mask: Mask | None = None
+    """array of pixels; None if there is none"""
+    degree: int = 32
+    """highest degree of the Zernike terms of the mask"""
+    modulation: tuple[Zernike, ...] = ()
+    """terms of the amplitude, in addition to 1"""
+    axicon: float = 0.0
+    """phase of an axicon at the rim, rad"""
 
     def normalised(self, cone: Cone) -> Pupil:
         """Return this pupil with a factor that leaves the power of a cone of light unchanged."""
-        x, weight = np.polynomial.legendre.leggauss(_RINGS_OF_POWER)
-        width = 2 * math.sin(cone.half_angle / 2) ** 2
-        below = width * (1 + x) / 2
-        phi = 2 * math.pi * np.arange(2 * self._azimuths) / (2 * self._azimuths)
-        around = (np.abs(self.factor(self.radius(below), phi)) ** 2).mean(axis=1)
-        power = weight * cone.shape(below)
-        share = float(power @ around / power.sum())
+        smooth = self.without_mask
+
+        def intensity(rho: Array, phi: Array) -> Array:
+            """Return |T|^2, of a mask without the fine details."""
+            found = np.abs(smooth.factor(rho, phi)) ** 2
+            return found if self.mask is None else found * self.mask.transmitted(rho, phi)
+
+        count = 2 * smooth._azimuths if self.mask is None else _AZIMUTHS_OF_POWER
+        share = self._mean(cone, intensity, count)
         return dataclasses.replace(self, size=self.size * math.sqrt(share))
+
+    def share(self, cone: Cone) -> float:
+        """Return the share of the light in the terms of the mask, for a normalised pupil."""
+        return self._mean(cone, lambda *at: np.abs(self.factor(*at)) ** 2, 2 * self._azimuths)
+
+    def _mean(self, cone: Cone, values: Callable[[Array, Array], Array], count: int) -> float:
+        """Return the mean over the power of a cone of light, by a number of azimuths."""
+        x, weight = gauss(_RINGS_OF_POWER)
+        inner, outer = (2 * math.sin(each / 2) ** 2 for each in (cone.inner, cone.half_angle))
+        below = inner + (outer - inner) * (1 + x) / 2
+        phi = 2 * math.pi * np.arange(count) / count
+        around = values(self.radius(below), phi).mean(axis=1)
+        power = weight * cone.shape(below)
+        return float(power @ around / power.sum())
+
+    @property
+    def even(self) -> bool:
+        """Whether T is the same all around the axis."""
+        return self.mask is None and self.orders == (0,)
+
+    @property
+    def without_mask(self) -> Pupil:
+        """Pupil without the mask."""
+        return dataclasses.replace(self, mask=None)
+
+    def up_to(self, degree: int) -> Pupil:
+        """Return this pupil with the Zernike terms of its mask up to a degree."""
+        return dataclasses.replace(self, degree=degree)
 
     def radius(self, below: Array) -> Array:
         """Return rho at 1 - cos(theta) = `below`, where theta is the angle behind the lens."""
@@ -92,15 +138,17 @@ class Pupil:
 
     def factor(self, rho: Array, phi: Array) -> ComplexArray:
         """Return T at radii (n,) and azimuths (m,), rad: (n, m)."""
-        waves = np.zeros((len(rho), len(phi)))
-        for term in self.wavefront:
-            turning = np.cos(term.m * phi) if term.m >= 0 else np.sin(-term.m * phi)
-            waves += term.amount * zernike_radial(term.n, abs(term.m), rho)[:, None] * turning
+        waves = _zernike_sum(self.wavefront, rho, phi) - self.axicon / (2 * math.pi) * rho[:, None]
         found: ComplexArray = np.exp(2j * math.pi * waves)
+        if self.modulation:
+            found = found * (1 + _zernike_sum(self.modulation, rho, phi))
         if self.shape is not None:
             found = found * self.shape.amplitude(rho, phi)
         if self.spots:
             found = found * self._hologram(rho, phi)
+        if self.mask is not None:
+            terms = self.mask.terms(self.degree)
+            found = found * harmonic_sum(radial_sums(terms, rho), phi)
         return found / self.size
 
     def _hologram(self, rho: Array, phi: Array) -> ComplexArray:
@@ -116,11 +164,14 @@ class Pupil:
         ))  # fmt: skip
 
     @functools.cached_property
-    def orders(self) -> tuple[int, ...]:
+    def orders(self) -> Sequence[int]:
         """Orders q of the harmonics that count, in ascending order.
 
         Raises `SceneError` if they are too many.
         """
+        if self.mask is not None:
+            widest = self.degree + max(map(abs, self.without_mask.orders))
+            return range(-widest, widest + 1)
         rho = np.linspace(0.0, 1.0, _RADII)
         count = self._azimuths
         sizes = np.abs(self._transformed(rho, count)).max(axis=0)
@@ -131,6 +182,8 @@ class Pupil:
     @functools.cached_property
     def _azimuths(self) -> int:
         """Number of azimuths that resolves T: the highest harmonics are then rounding."""
+        if self.mask is not None:
+            return 2 * len(self.orders)
         rho = np.linspace(0.0, 1.0, _RADII)
         count = _FEWEST_AZIMUTHS
         while count <= _MOST_AZIMUTHS:
@@ -146,6 +199,14 @@ class Pupil:
 
     def _transformed(self, rho: Array, count: int) -> ComplexArray:
         """Return the harmonics t_q, (n, count), at radii (n,) in the order of `numpy.fft`."""
+        if self.mask is not None and not (
+            self.wavefront or self.shape or self.spots or self.modulation
+        ):
+            found = np.zeros((len(rho), count), np.complex128)
+            found[:, np.array(self.orders)] = (
+                radial_sums(self.mask.terms(self.degree), rho).T / self.size
+            )
+            return found
         phi = 2 * math.pi * np.arange(count) / count
         return np.asarray(np.fft.fft(self.factor(rho, phi), axis=1) / count)
 
@@ -196,6 +257,15 @@ class Pupil:
         sine = self._outermost
         x, y = (-2 * amounts.get((1, m), 0.0) / sine for m in (1, -1))
         return x, y, 4 * math.sqrt(3) * amounts.get((2, 0), 0.0) / sine**2
+
+
+def _zernike_sum(terms: tuple[Zernike, ...], rho: Array, phi: Array) -> Array:
+    """Return the sum of Zernike terms at radii (n,) and azimuths (m,), (n, m)."""
+    found = np.zeros((len(rho), len(phi)))
+    for term in terms:
+        turning = np.cos(term.m * phi) if term.m >= 0 else np.sin(-term.m * phi)
+        found += term.amount * zernike_radial(term.n, abs(term.m), rho)[:, None] * turning
+    return found
 
 
 def zernike_radial(n: int, m: int, rho: Array) -> Array:

@@ -242,6 +242,22 @@ class Beam(OfPupil, OfCoherent):
         return self
 
     @model_validator(mode="after")
+    def _mask_of_even_phase(self) -> Self:
+        """Refuse a mask in light whose phase or polarisation turns around the axis."""
+        if self.mask is None:
+            return self
+        if self.vortex:
+            raise refusal(
+                f"vortex = {self.vortex}: cannot be combined with a mask; add the phase to the mask"
+            )
+        if self.polarisation in ("radial", "azimuthal", "cylindrical"):
+            raise refusal(
+                f"polarisation = {self.polarisation!r}: cannot be combined with a mask; allowed: "
+                "circular, linear, unpolarised"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _one_power(self) -> Self:
         """Refuse a beam without a power, or with both."""
         given = {"power": self.power, "power_through_pupil": self.power_through_pupil}

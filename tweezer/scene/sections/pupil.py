@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, Literal, NamedTuple, Self
 
 from pydantic import Field, StrictInt, model_validator
 
 from tweezer.scene.courses import Section, refusal
-from tweezer.values.units import Angle, BeamSigma, Quantity, entries
+from tweezer.values.units import Angle, BeamSigma, PositiveLength, Quantity, entries
 
 #: Largest radial order of a Zernike term, and its largest amount, waves
 _MOST_ORDERS, _MOST_WAVES = 40, 5.0
 
 Place = Annotated[float, Quantity("m", -2e-5, 2e-5)]
 Offset = Annotated[float, Quantity("m", -1, 1)]
+Radius = Annotated[float, Quantity("m", 0, 1)]
 Order = Annotated[StrictInt, Field(ge=0, le=20)]
 Term = Annotated[tuple[Annotated[float, Quantity("", -2000, 2000)], ...], entries(2, 3)]
 Terms = Annotated[tuple[Term, ...], entries(1, 500)]
@@ -93,20 +95,71 @@ class OfPupil(Section):
         "phi is the azimuth of the light behind the lens. Requires wave optics. Default: none",
     )
     aberration_order: Literal["osa", "noll"] | None = Field(
-        None, description="convention of the index of aberration terms: OSA/ANSI, from 0, or Noll, "
-        "from 1"
+        None, description="convention of the index of aberration and amplitude terms: OSA/ANSI, "
+        "from 0, or Noll, from 1"
     )  # fmt: skip
+    amplitude_terms: Terms | None = Field(
+        None,
+        description="factor 1 + sum of a Z of the amplitude over the pupil: Zernike terms [n, m, "
+        "a], or [index, a], as for aberration. The power is unchanged. Requires wave optics. "
+        "Default: none",
+    )
+    axicon: Annotated[float, Quantity("rad", -200, 200)] = Field(
+        0.0,
+        description="phase of an axicon at the rim: the phase over the pupil is -axicon rho, with "
+        "rho = 1 at the rim. Requires wave optics",
+    )
+    annulus: Annotated[tuple[Radius, Radius], entries(2)] | None = Field(
+        None,
+        description="inner and outer radius of the open part of the pupil; no light passes outside "
+        "of it. Requires wave optics. Default: the whole pupil",
+    )
 
     focus: Annotated[tuple[Spot, ...], entries(1, 100)] | None = Field(
         None, description="foci of a hologram in the pupil, whose fields add; a list of sections "
         "[[beam.focus]]. Requires wave optics. Default: one focus"
     )  # fmt: skip
 
+    mask: str | None = Field(
+        None,
+        description="file of an array of pixels over the pupil, centred on the axis: .npy or .npz, "
+        "with x ascending over the columns and y over the rows, or a grey .png of 8 bits, with y "
+        "descending. No light passes outside of the array. Requires wave optics. Default: none",
+    )
+    mask_kind: Literal["phase", "amplitude", "field"] = Field(
+        "phase",
+        description="phase: rad, or levels; amplitude: from 0 to 1, or levels; field: complex, of "
+        "a modulus up to 1",
+    )
+    mask_extent: PositiveLength | None = Field(
+        None, description="width of the array in the pupil. Default: the pupil's diameter"
+    )
+    mask_levels: Annotated[StrictInt, Field(ge=2, le=65536)] | None = Field(
+        None,
+        description="number of levels n of whole numbers v in the array: the phase is 2 pi v/n, "
+        "or the amplitude v/(n - 1). Default: 256",
+    )
+    mask_flip: Literal["none", "x", "y", "both"] = Field(
+        "none", description="mirror image of the array: x -> -x, y -> -y, or both"
+    )
+    mask_angle: Angle = Field(
+        0.0, description="angle by which the array is then turned about the axis, from x to y"
+    )
+
     @property
     def wavefront(self) -> tuple[Zernike, ...]:
         """Zernike terms of the phase, in waves, in the order of n and m; equal terms are added."""
+        return self._zernike(self.aberration)
+
+    @property
+    def modulation_terms(self) -> tuple[Zernike, ...]:
+        """Zernike terms of the amplitude, in the order of n and m; equal terms are added."""
+        return self._zernike(self.amplitude_terms)
+
+    def _zernike(self, terms: Terms | None) -> tuple[Zernike, ...]:
+        """Return terms in the order of n and m; equal terms are added."""
         found: dict[tuple[int, int], float] = {}
-        for term in self.aberration or ():
+        for term in terms or ():
             *indices, amount = term
             whole = [int(each) for each in indices]
             if len(whole) == 2:
@@ -124,13 +177,38 @@ class OfPupil(Section):
     @property
     def even(self) -> bool:
         """Whether amplitude and phase are the same all around the pupil."""
-        same = all(each.m == 0 for each in self.wavefront)
-        return same and not self.shaped and self.focus is None
+        same = all(each.m == 0 for each in (*self.wavefront, *self.modulation_terms))
+        return same and not self.shaped and self.focus is None and self.mask is None
+
+    @model_validator(mode="after")
+    def _mask_alone(self) -> Self:
+        """Refuse keys of a mask without one, and a mask with several foci."""
+        keys = [
+            key for key in ("mask_kind", "mask_extent", "mask_levels", "mask_flip", "mask_angle")
+            if getattr(self, key) != type(self).model_fields[key].default
+        ]  # fmt: skip
+        if self.mask is None and keys:
+            raise refusal(f"{keys[0]}: requires a mask; remove it, or set mask to a file")
+        for key in ("focus", "annulus"):
+            if self.mask is not None and getattr(self, key) is not None:
+                raise refusal(f"mask: cannot be combined with {key}; remove one of them")
+        if self.mask is not None and self.axicon:
+            raise refusal("mask: cannot be combined with axicon; add the phase to the mask")
+        return self
+
+    @model_validator(mode="after")
+    def _open(self) -> Self:
+        """Refuse an annulus whose radii do not ascend."""
+        if self.annulus is not None and not self.annulus[0] < self.annulus[1] * (1 - 1e-6):
+            raise refusal(
+                f"annulus = {list(self.annulus)}: the outer radius must be the larger one"
+            )
+        return self
 
     @model_validator(mode="after")
     def _terms_exist(self) -> Self:
-        """Refuse aberration terms of indices that no Zernike polynomial has."""
-        pairs = [len(term) == 2 for term in self.aberration or ()]
+        """Refuse terms of indices that no Zernike polynomial has."""
+        pairs = [len(term) == 2 for _, term in self._named_terms()]
         if any(pairs) and self.aberration_order is None:
             raise refusal("aberration_order: missing; terms [index, waves] require 'osa' or 'noll'")
         if self.aberration_order is not None and not all(pairs or [False]):
@@ -138,8 +216,7 @@ class OfPupil(Section):
                 "aberration_order: applies to terms [index, waves] only; remove it, or give "
                 "aberration such terms"
             )
-        for i, term in enumerate(self.aberration or ()):
-            where = f"aberration.{i} = {[f'{each:g}' for each in term]}".replace("'", "")
+        for where, term in self._named_terms():
             if any(each != int(each) for each in term[:-1]):
                 raise refusal(f"{where}: the indices must be whole numbers")
             if len(term) == 2:
@@ -154,5 +231,11 @@ class OfPupil(Section):
             if n > _MOST_ORDERS:
                 raise refusal(f"{where}: n must be at most {_MOST_ORDERS}")
             if abs(term[-1]) > _MOST_WAVES:
-                raise refusal(f"{where}: the amount must be at most {_MOST_WAVES:g} waves")
+                raise refusal(f"{where}: the amount must be at most {_MOST_WAVES:g}")
         return self
+
+    def _named_terms(self) -> Iterator[tuple[str, Term]]:
+        """Yield the terms of phase and amplitude, with their names and values in the scene."""
+        for key in ("aberration", "amplitude_terms"):
+            for i, term in enumerate(getattr(self, key) or ()):
+                yield f"{key}.{i} = {[f'{each:g}' for each in term]}".replace("'", ""), term
