@@ -191,7 +191,7 @@ def test_indices_are_those_of_their_convention(order, index, indices):
         ({"aberration": [[2, 4, 0.1]]}, r"\|m\| must be at most n"),
         ({"aberration": [[2.5, 0, 0.1]]}, "whole numbers"),
         ({"aberration": [[42, 0, 0.1]]}, "n must be at most 40"),
-        ({"aberration": [[2, 2, 6]]}, "at most 5 waves"),
+        ({"aberration": [[2, 2, 6]]}, "at most 5"),
         ({"aberration": [[2, 2, float("nan")]]}, "aberration"),
         ({"aberration": [[4, 0.1]]}, "aberration_order: missing"),
         ({"aberration": [[4, 0, 0.1]], "aberration_order": "noll"}, "applies to terms"),
