@@ -188,6 +188,8 @@ def calibrate(
     has a result without findings, 1 if an axis has none, 2 if the input is refused.
     """
     begin(details=details, quiet=quiet)
+    if set and scene is None:
+        raise ResultError("--set: requires --scene")
     from tweezer.calibration.setup import Setup
     from tweezer.values import units
 
@@ -225,8 +227,6 @@ def calibrate(
         | ({"signals": True} if scene else {}),
         (scene, wall, focus, density, drive, diode, leave_out, drift, fit_range, plot, report),
     )  # fmt: skip
-    if set and scene is None:
-        raise ResultError("--set: requires --scene")
     if scene is not None:
         from tweezer.calibration.by_detector import completed, from_signals
 
