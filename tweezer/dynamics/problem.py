@@ -31,6 +31,7 @@ from tweezer.forces.equilibria import (
 )
 from tweezer.forces.force import Force, Wrench
 from tweezer.forces.rings import Motion, Ring, off_axis, rings
+from tweezer.forces.sites import starts
 from tweezer.forces.wall import CLOSEST, Contact, Dlvo
 from tweezer.optics import Beams, LightForce, light_force
 from tweezer.scene import Scene, SceneLike, checked_scene
@@ -290,12 +291,28 @@ class Problem:
         """Return the positions where a net force vanishes.
 
         For one beam they are on its axis; for several, or with other forces, near the axis of each
-        beam.
+        beam. Light of an uneven pupil is searched beside these axes too.
         """
         search = self.search
         about = self.scene.body.size, search, self.field, net_force, self.spiral_rate
-        found = equilibria(*about) if self.about_axis else equilibria_about(self.foci(), *about)
+        if self.about_axis:
+            found = equilibria(*about)
+        else:
+            foci = self.foci()
+            found = equilibria_about(foci, *about, self._beside_axes(foci, net_force))
         return tuple(each for each in found if self._in_the_fluid(each.position[2]))
+
+    def _beside_axes(self, foci: Array, net_force: NetForce) -> Array:
+        """Return starting positions of the search beside the axes of foci, (n, 3) m.
+
+        There are none if every pupil is the same all around.
+        """
+        if all(beam.even for beam in self.scene.beams) or not self.scene.lit:
+            return np.zeros((0, 3))
+        assert isinstance(self.light, Beams)
+        boxes = [each.box for each in self.light.lights]
+        width, reach = (max(getattr(box, name) for box in boxes) for name in ("width", "reach"))
+        return starts(foci, np.array([width, width, reach]), self.search, net_force)
 
     @property
     def ring_motion(self) -> Motion:

@@ -36,6 +36,9 @@ _NEAR = 150.0
 _SAME = 0.05
 #: Largest force at an equilibrium off the axis, as a part of the force beside it
 _VANISHED = 1e-7
+#: Smallest stiffness over the largest of an equilibrium beside the axes of the foci: on a ring, the
+#: force vanishes everywhere
+_FLAT = 1e-6
 
 FOCUS = fixed((0.0, 0.0, 0.0))
 
@@ -170,8 +173,9 @@ def equilibria_about(
     field: Field,
     net_force: NetForce,
     spiral_rate: SpiralRate,
+    beside: Iterable[Array] = (),
 ) -> Iterator[Equilibrium]:
-    """Yield the equilibria near the axes of several foci.
+    """Yield the equilibria near the axes of several foci, and stable ones beside them.
 
     Newton's method (`scipy.optimize.root`) starts at each focus and at every sign change of the
     axial force on its axis. The axis is searched at least as far as the other foci.
@@ -190,19 +194,35 @@ def equilibria_about(
         Sum of all forces but drag.
     spiral_rate : callable
         Rate of a growing spiral about a position, see `SpiralRate`.
+    beside : iterable of ndarray, shape (3,), optional
+        Further positions at which Newton's method starts, m.
     """
     apart = np.linalg.norm(foci[:, None] - foci, axis=2).max()
     search = search._replace(reach=min(max(search.reach, float(apart)), search.known / 2))
     found: list[Array] = []
+
+    def new(start: Array) -> Array | None:
+        """Return the zero of the force near a position, unless it is known already."""
+        place = _vanishing(start, radius, search, field, net_force)
+        if place is None or any(
+            np.linalg.norm(place - other) < _SAME * search.spacing for other in found
+        ):
+            return None
+        found.append(place)
+        return place
+
     for focus in foci:
         zeros = [0.0, *_zeros_on_axis(focus, radius, search, net_force)]
         for start in focus + np.outer(zeros, [0.0, 0.0, 1.0]):
-            place = _vanishing(start, radius, search, field, net_force)
-            if place is not None and all(
-                np.linalg.norm(place - other) > _SAME * search.spacing for other in found
-            ):
-                found.append(place)
+            if (place := new(start)) is not None:
                 yield equilibrium_at(place, search, field, net_force, spiral_rate)
+    for start in beside:
+        if any(np.linalg.norm(start - other) < search.spacing for other in found):
+            continue
+        if (place := new(start)) is not None:
+            there = equilibrium_at(place, search, field, net_force, spiral_rate)
+            if there.stable and there.eigenvalues[0] > _FLAT * there.eigenvalues[2]:
+                yield there
 
 
 def _zeros_on_axis(

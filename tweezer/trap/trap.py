@@ -50,6 +50,8 @@ if TYPE_CHECKING:
 
 #: Fraction of the stiffness below which off-diagonal elements are not shown
 _NEGLIGIBLE = 1e-6
+#: Part of the lowest stiffness below which another stable equilibrium is shown among the details
+_WEAK = 0.1
 #: Smallest number of points that count as a line, whose forces are cached for other powers
 _LINE = 100
 
@@ -443,9 +445,11 @@ class Trap(Comparable, Result):
         others = [each for each in self.equilibria if each is not self.equilibrium]
         apart = [each for each in others if each.position[:2].any()]
         if not self.scene.plain or apart:
-            for each in others:
+            least = _WEAK * self.equilibrium.eigenvalues[0] if self.equilibrium else math.inf
+            for each in sorted(others, key=lambda each: not each.stable):
                 kind = "another stable equilibrium" if each.stable else "unstable equilibrium"
-                yield Row(kind, _where(each), detail=True)
+                weak = not each.stable or each.eigenvalues[0] < least
+                yield Row(kind, _where(each), detail=weak)
             return
         for name, stable in (("other stable equilibria", True), ("unstable equilibria", False)):
             heights = [micrometres(each.position[2]) for each in others if each.stable == stable]
@@ -505,7 +509,8 @@ def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Tra
     to `simulation.loss_distance`. If no equilibrium near the focus is stable, the search includes
     rings in the bright region around the axis. In light without rotational symmetry it includes
     positions off the axis. `Trap.searched` describes the search. For several beams, or a beam that
-    moves, equilibria are searched near the axis of each beam, at time 0.
+    moves, equilibria are searched near the axis of each beam, at time 0. In light of an uneven
+    pupil, such as a hologram, stable equilibria are also searched on a grid about all foci.
 
     An equilibrium is stable if linear motion about it decays, with the inertia of the scene's model
     (`Equilibrium.spiral_rate`). The force at neighbouring positions must also be restoring, because
