@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,7 +19,6 @@ from tweezer.cli.console import (
     showing_progress,
     telling_interrupt,
 )
-from tweezer.scene.choices import EVALUATORS
 from tweezer.values.errors import PhysicsWarning, SceneError
 
 if TYPE_CHECKING:
@@ -164,13 +164,13 @@ def settings_of(changes: list[str], **simulation: str | None) -> dict[str, str]:
 def with_thermal_motion(scene: str | Scene, settings: dict[str, str]) -> Scene:
     """Return a scene with settings and thermal motion, with forces from a map if possible.
 
-    A map is used only for a sphere, if the scene does not choose an evaluator and its light is
-    symmetric enough.
+    A map is used only for a sphere, if the scene does not choose an evaluator and its light has a
+    map.
     """
-    thermal, by_map = scene_with(scene, {"forces.brownian": "true"} | settings), EVALUATORS["map"]
-    sphere = thermal.bead.shape == "sphere"
-    if sphere and thermal.optics.evaluator == "auto" and thermal.allows(by_map):
-        return thermal.replace(optics={"evaluator": by_map.name})
+    thermal = scene_with(scene, {"forces.brownian": "true"} | settings)
+    if thermal.bead.shape == "sphere" and thermal.optics.evaluator == "auto":
+        with contextlib.suppress(SceneError):
+            return thermal.replace(optics={"evaluator": "map"})
     return thermal
 
 
