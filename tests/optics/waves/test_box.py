@@ -12,12 +12,14 @@ import tweezer
 from tests.optics.waves.test_pupil import EVEN, ONE, of_hologram, reference
 from tests.reference.plane_waves import Sphere, push
 from tweezer import SceneError
+from tweezer.cli.app import with_thermal_motion
 from tweezer.compiled import address
 from tweezer.forces.data import Part
 from tweezer.forces.force import KERNEL, Wrench, evaluated
 from tweezer.optics import force_map, light_force
 from tweezer.optics.beyond import unreached
 from tweezer.optics.table import _load, _save
+from tweezer.optics.waves import box
 from tweezer.optics.waves.box import Spline, _fit, _remainder, build, read_alone
 from tweezer.optics.waves.lattice import Lattice
 
@@ -81,19 +83,29 @@ def test_error_is_below_the_certificate_and_the_tolerance(tolerance, places):
     assert made.largest == pytest.approx(norm(field(places).force).max(), rel=0.2)
 
 
-@pytest.mark.parametrize("wider", [1.05, 1.3, 2.0])
+@pytest.mark.parametrize("wider", [1.05, 2.0])
 def test_certificate_contains_the_error_of_waves_outside_the_band(wider, places):
     """The theorem does not hold for this field, and the comparisons find that."""
     field = Field(wider * BAND)
-    made = of_field(field, 1e-9)
+    made = of_field(field, 1e-7)
     error = norm(read_alone(made, places).force - field(places).force).max()
     assert error < made.certified
     if wider > 1.5:
-        assert made.certified > 1e-9 * made.largest
+        assert made.certified > 1e-7 * made.largest
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
+def test_theorem_alone_bounds_the_error(tolerance, places, monkeypatch):
+    monkeypatch.setattr(box, "_compared", lambda *_: (0.0, 0.0))
+    field = Field()
+    made = of_field(field, tolerance)
+    error = norm(read_alone(made, places).force - field(places).force).max()
+    assert error < made.certified < tolerance * made.largest
 
 
 def test_certificate_contains_the_error_of_the_force_itself():
-    assert of_field(Field(error=1e-6)).certified > 1e-6
+    """Errors of samples with the worst signs add up."""
+    assert of_field(Field(error=1e-6)).certified > 5e-6
 
 
 def test_remainder_bounds_the_polynomial_through_chebyshev_nodes():
@@ -203,7 +215,7 @@ def test_map_of_every_light_is_its_force_within_the_certificate(name):
     foci = light_force(scene).foci()
     places = foci[rng.integers(len(foci), size=500)] + rng.uniform(-0.23e-6, 0.23e-6, (500, 3))
     read, exact = (light_force(each).field(places, gradient=True) for each in (mapped, scene))
-    assert read.error == pytest.approx(made.certified_error)
+    np.testing.assert_allclose(read.error, made.certified_error, rtol=1e-12)
     assert norm(read.force - exact.force).max() < made.certified_error
     for found, expected in (
         (read.force_gradient, exact.force_gradient), (read.moment, exact.moment),
@@ -297,3 +309,12 @@ def test_trap_by_the_map_is_the_trap_by_the_quadrature():
     np.testing.assert_allclose(
         read.stiffness, exact.stiffness, rtol=0, atol=1e-5 * exact.stiffness.max()
     )
+
+
+def test_thermal_commands_use_a_map_if_the_light_has_one():
+    beam = EVEN.beam.model_dump(exclude_none=True) | {"coherent": "pair"}
+    pair = EVEN.model_dump(exclude_none=True) | {"beam": [beam, {**beam, "direction": "down"}]}
+    pair.pop("more_beams")
+    coherent = tweezer.load_scene(pair)
+    found = [with_thermal_motion(scene, {}).optics.evaluator for scene in (UNEVEN, coherent)]
+    assert found == ["map", "auto"]
