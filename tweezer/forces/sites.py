@@ -17,8 +17,8 @@ from tweezer.values.arrays import Array
 _ACROSS, _ALONG = 2.5, 4.0
 #: Largest distance of a zero from the centre of its cell along each axis, in edges
 _NEAR = 1.0
-#: Largest real part of an eigenvalue of the gradient at a stable zero, as a part of the largest of
-#: all: the gradient of a cell is not accurate
+#: Real part below which an eigenvalue of the gradient may be negative at the zero itself, over the
+#: largest one: the gradient in a cell is approximate
 _UNSTABLE = 0.1
 #: Corners of a cell about its centre, in edges
 _CORNERS = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))
