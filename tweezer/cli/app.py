@@ -178,9 +178,11 @@ def bind_light(scene: Scene) -> None:
     """Warn if ray optics is inaccurate for the scene, and compute the force maps that it needs."""
     with importing():
         from tweezer.optics import light_force
+        from tweezer.scene.interference import groups, separately
 
     warn_of_rays(scene)
-    for alone in map(scene.with_one_beam, scene.beams):
+    separate = (group[0] for group in groups(scene) if separately(scene, group))
+    for alone in map(scene.with_one_beam, separate):
         if alone.lit and scene.optics.evaluator == "map":
             map_of(alone)
     with warnings.catch_warnings(action="ignore", category=PhysicsWarning):  # shown above

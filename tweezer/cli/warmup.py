@@ -13,7 +13,7 @@ from tweezer.optics import Beams, LightForce, light_force, light_of_one_beam
 from tweezer.runs.simulation import simulate
 from tweezer.scene import Scene
 from tweezer.scene.choices import EVALUATORS
-from tweezer.scene.interference import interferes
+from tweezer.scene.interference import changing, interferes
 from tweezer.tracking.filter import kalman_filter
 from tweezer.trap.elimination import mean_times
 from tweezer.values.errors import PhysicsWarning
@@ -33,7 +33,7 @@ def usual_scenes(scene: Scene) -> list[Scene]:
     if scene.bead.shape != "sphere":
         quiet = {"forces": {"brownian": False}, "simulation": {"model": "full"}}
         return [scene, scene.replace(**quiet)]
-    mapped = scene.allows(EVALUATORS["map"]) and not interferes(scene)
+    mapped = scene.allows(EVALUATORS["map"]) and not changing(scene)
     thermal = {
         "forces": {"brownian": True}, "optics": {"evaluator": "map" if mapped else "auto"},
     }  # fmt: skip

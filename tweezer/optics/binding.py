@@ -19,7 +19,7 @@ from tweezer.optics.table import Progress, Table
 from tweezer.optics.worth import ray_optics_warning
 from tweezer.scene import Scene
 from tweezer.scene.choices import THEORIES, at, evaluator
-from tweezer.scene.interference import groups, reflecting
+from tweezer.scene.interference import groups, separately
 from tweezer.scene.sections import Beam
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError, warn
@@ -147,14 +147,14 @@ def light_force(scene: Scene) -> LightForce | Beams:
     offset = max(place_of(beam).farthest(scene.simulation.duration) for beam in scene.beams)
     moved, lights = [], []
     for group in groups(scene):
-        if len(group) > 1 or reflecting(scene, group[0]):
-            light = _interfering(scene, group)
-            moved.append(Moved(light, Course.constant(0.0, 0.0, 0.0), Course.constant(1.0)))
-        else:
+        if separately(scene, group):
             (beam,) = group
             light = light_of_one_beam(scene.with_one_beam(beam, offset))
             down = beam.direction == "down"
             moved.append(Moved(light, place_of(beam), factor_of(beam), down=down))
+        else:
+            light = _interfering(scene, group)
+            moved.append(Moved(light, Course.constant(0.0, 0.0, 0.0), Course.constant(1.0)))
         lights.append(light)
     return Beams(tuple(moved), tuple(lights))
 
@@ -164,7 +164,14 @@ def _interfering(scene: Scene, beams: tuple[Beam, ...]) -> LightForce:
     from tweezer.optics.waves.coherent import by_interference
 
     paths = paths_of_light(scene, beams)
-    return by_interference(scene, paths) if paths else light_of_one_beam(scene)
+    if not paths:
+        return light_of_one_beam(scene)
+    force = by_interference(scene, paths)
+    if evaluator(scene.optics.evaluator).name != "map":
+        return force
+    from tweezer.optics.waves.coherent_map import by_coherent_map
+
+    return by_coherent_map(scene, force)
 
 
 def paths_of_light(scene: Scene, beams: tuple[Beam, ...]) -> tuple[Path, ...]:
@@ -302,12 +309,20 @@ def force_map(scene: Scene, progress: Progress | None = None) -> Table:
     `Table.certified_error` is the actual bound. Also warns if the file is damaged, and is then
     computed again, or if it cannot be written.
     """
-    if scene.more_beams:
-        raise SceneError("beam: a map requires a single beam; a run computes the map of each beam")
+    first, *others = groups(scene)
+    if others:
+        raise SceneError(
+            "beam: a map requires a single beam, or coherent beams; a run computes the map of each"
+        )
     if not scene.lit:
         raise SceneError("optics.evaluator = 'map': requires light, but the scene is dark")
     if scene.bead.shape != "sphere":
         raise SceneError(f"bead.shape = {scene.bead.shape!r}: {_NO_MAP}")
+    if not separately(scene, first):
+        from tweezer.optics.waves.coherent import by_interference
+        from tweezer.optics.waves.coherent_map import coherent_map
+
+        return coherent_map(scene, by_interference(scene, paths_of_light(scene, first)), progress)
     made: Table = at(THEORIES[scene.theory].map)(scene, progress)
     return made
 

@@ -57,9 +57,26 @@ def groups(scene: Description) -> tuple[tuple[Beam, ...], ...]:
     return tuple(map(tuple, found.values()))
 
 
+def separately(scene: Description, group: tuple[Beam, ...]) -> bool:
+    """Return whether a group is one beam that nothing reflects, with a force of its own."""
+    return len(group) == 1 and not reflecting(scene, group[0])
+
+
 def interferes(scene: Description) -> bool:
     """Return whether any beams of a scene interfere, or reflected light does."""
     return any(beam.coherent for beam in scene.beams) or bool(planes(scene))
+
+
+def changing(scene: Description) -> str:
+    """Return the first key by which light that interferes changes in time; "" without one.
+
+    Such light has no force map.
+    """
+    return next((
+        f"{name}.{course}" for name, beam in named_beams(scene.beams)
+        for course in ("motion", "modulation", "phasing")
+        if getattr(beam, course) and (beam.coherent or reflecting(scene, beam))
+    ), "")  # fmt: skip
 
 
 def check_interference(scene: Description) -> None:
@@ -93,9 +110,10 @@ def check_interference(scene: Description) -> None:
         raise refusal(f"{key}: requires wave optics; set optics.theory to waves")
     if scene.bead.shape != "sphere":
         raise refusal(f"{key}: requires bead.shape = 'sphere'")
-    if scene.optics.evaluator == "map":
+    if scene.optics.evaluator == "map" and (course := changing(scene)):
         raise refusal(
-            f"optics.evaluator = 'map': does not apply to {key}; allowed: auto, quadrature"
+            f"optics.evaluator = 'map': requires light that interferes to be constant, without "
+            f"{course}; allowed: auto, quadrature"
         )
     for plane in planes(scene):
         gap = plane.normal * (scene.start_position[2] - plane.position)

@@ -10,7 +10,7 @@ import tweezer
 from tests.optics.waves.test_pupil import EVEN, N_M, ONE, VACUUM, reference
 from tests.reference.plane_waves import Cone, Sphere, Together, push
 from tweezer import SceneError
-from tweezer.optics import light_force
+from tweezer.optics import force_map, light_force
 
 PLACES = np.array([[0.2, -0.15, 0.25], [0.3, 0.35, -0.2], [0, 0, 0.1]]) * 1e-6
 SILICA = Sphere(((0.5e-6, 1.45),))
@@ -183,6 +183,32 @@ def test_conveyor_carries_the_bead():
     assert 1.0 < float(velocity) / (rate * waves) < 1.4
 
 
+MAPPED = {
+    "standing wave": ([A, {**A, **DOWN, "phase": 1.0, "position": [1e-7, 0, 0]}], {}),
+    "mirror": ([{}], {"mirror": {"position": 1.6e-6, "refractive_index": 1.52}}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("beams", "sections"), MAPPED.values(), ids=MAPPED.keys())
+def test_map_has_the_certified_error(beams, sections):
+    """At 500 random places in the box; the map is made again from the file."""
+    optics = {"evaluator": "map", "table_tolerance": 1e-6, "table_range": "0.5 um"}
+    scene = scene_with(*beams, **sections, optics={**optics, "tolerance": 1e-9})
+    table = force_map(scene)
+    direct = scene.replace(optics={"evaluator": "quadrature"})
+    places = np.random.default_rng(0).uniform(-0.49e-6, 0.49e-6, (500, 3))
+    expected = tweezer.optical_force(direct, places)
+    found = tweezer.optical_force(scene, places)
+    off = np.linalg.norm(found - expected, axis=1).max()
+    stated = tweezer.optical_force_error(scene, places)
+    assert off <= stated.min()
+    assert table.certified_error <= 1e-6 * table.largest_force * 1.01
+    far = [[0.0, 0.0, -2e-6]]
+    np.testing.assert_allclose(
+        tweezer.optical_force(scene, far), tweezer.optical_force(direct, far), rtol=1e-9
+    )
+
+
 WRONG = {
     "phase alone": ([{"phase": 1.0}], {}, "beam.phase: requires beam.coherent"),
     "phasing alone": ([{"phasing": {"kind": "ramp", "rate": 1.0}}], {},
@@ -191,7 +217,8 @@ WRONG = {
     "two colours": ([A, {**A, "wavelength": 1.0e-6}], {}, "beam[1].wavelength = 1.064e-06: must"),
     "unpolarised": ([A, {**A, **UNPOLARISED}], {}, "beam[2].polarisation = 'unpolarised': a coh"),
     "rays": ([A, A], {"optics": {"theory": "rays"}}, "beam[1].coherent: requires wave optics"),
-    "map": ([A, A], {"optics": {"evaluator": "map"}}, "optics.evaluator = 'map': does not apply"),
+    "map": ([A, {**A, "phasing": {"kind": "ramp", "rate": 1.0}}],
+            {"optics": {"evaluator": "map"}}, "optics.evaluator = 'map': requires light that int"),
     "in the mirror": ([{}], {"mirror": {"position": 0.1e-6}}, "mirror.position = 1e-07: the bead"),
     "behind the light": ([{}], {"mirror": {"position": -2e-6}}, "mirror.position = -2e-06: no be"),
     "no position": ([{}], {"mirror": {}}, "mirror.position: missing"),

@@ -94,10 +94,14 @@ class Interference(Light):
         return self.paths[0].light.wavenumber
 
     @property
+    def power(self) -> float:
+        """Power of all beams, W."""
+        return sum(path.light.cone.power for path in self.paths if path.mirror is None)
+
+    @property
     def strength(self) -> float:
         """Momentum per time of all beams, n_m P/c, N."""
-        own = (path.light.strength for path in self.paths if path.mirror is None)
-        return sum(own)
+        return self.momentum_per_energy * self.power
 
     @property
     def absorbs(self) -> bool:
@@ -111,8 +115,10 @@ class Interference(Light):
         for path in self.paths:
             sign = np.array([1, -1, -1] if path.down else [1, 1, 1])
             places = path.place.at(0.0) + sign * path.light.foci
-            if path.mirror is not None:
+            if path.mirror is not None:  # an image is in the light if the focus is beyond
                 places[:, 2] = 2 * path.mirror - places[:, 2]
+                before = places[:, 2] - path.mirror
+                places = places[before > 0 if path.down else before < 0]
             found.append(places)
         return np.concatenate(found)
 
@@ -209,7 +215,7 @@ class ByInterference(LightForce):
         share: Array = coherent_absorption()(
             np.require(positions, np.float64, ["C", "W"]), time, self._data
         )
-        return share * self.light.strength / self.light.momentum_per_energy
+        return share * self.light.power
 
     def allowed_error(self, force: Array) -> Array:
         """Return the largest error within the tolerance, (n,) N; force: (n, 3) N."""
