@@ -1,5 +1,6 @@
 """What is in a page: the numbers of its result, and nothing from elsewhere."""
 
+import base64
 import hashlib
 import html
 import json
@@ -16,12 +17,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from matplotlib.image import imsave
+from matplotlib.image import imread, imsave
 
 import tweezer
 from tests import vendored
 from tweezer import viewing
-from tweezer.viewing import movie, of_trap
+from tweezer.viewing import movie, of_trap, setting
 from tweezer.viewing.arrays import float32, uint16
 from tweezer.viewing.rows import of_number
 
@@ -340,3 +341,15 @@ def test_page_of_a_hologram_has_a_table_over_the_box():
     assert len(table["low"]) == 3
     (note,) = (each for each in made.notes if "random positions" in each)
     assert made.arrays["errors_0"].values().max() < 0.02 * made.facts["largest"], note
+
+
+def test_page_shows_the_pupil_of_uneven_light():
+    """Astigmatism: the picture is the same after half a turn, and its phase is opposite at 90°."""
+    facts = setting.scene_facts(tweezer.load_scene("astigmatic-trap"))
+    (shown,) = facts["pupils"]
+    picture = imread(BytesIO(base64.b64decode(shown["image"].partition(",")[2])))
+    assert picture.shape == (128, 128, 4)
+    np.testing.assert_allclose(picture, picture[::-1, ::-1], atol=0.02)
+    assert picture[0, 0, 3] == 0
+    assert np.abs(picture[64, 24] - picture[24, 64]).max() > 0.2
+    assert setting.scene_facts(tweezer.load_scene("silica-1um"))["pupils"] == []

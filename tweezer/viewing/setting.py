@@ -12,6 +12,7 @@ from tweezer.scene import Scene
 from tweezer.scene.interference import planes as reflecting_planes
 from tweezer.scene.surfaces import surface_of
 from tweezer.viewing.arrays import float32
+from tweezer.viewing.pupils import pupil_pictures
 
 
 def scene_facts(scene: Scene) -> dict[str, Any]:
@@ -32,6 +33,7 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
             }
             for each in drawn_cones(scene)
         ],
+        "pupils": pupil_pictures(scene),
         "walls": _walls(scene),
         "temperature": scene.medium.temperature,
     }

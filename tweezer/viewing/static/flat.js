@@ -27,7 +27,7 @@ export class Flat {
     });
     this.bar = make("span", { class: "bar" });
     this.barText = make("span");
-    this.over.append(make("div", { class: "views", role: "group", "aria-label": "Views" }, ...this.buttons),
+    this.over.append(make("div", { class: "views", role: "group", "aria-label": "Views" }, ...this.buttons), ...shell.pupils(),
       make("div", { class: "scale" }, make("span", { class: "length" }, this.bar, this.barText)));
     this.look(1);
     new ResizeObserver(() => this.draw()).observe(this.host);

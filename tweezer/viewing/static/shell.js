@@ -140,6 +140,13 @@ export class Shell {
     return make("fieldset", { class: "layers" }, make("legend", {}, "Show"), ...boxes);
   }
 
+  // Pictures of the light over the pupil: hue is the phase, brightness the amplitude.
+  pupils() {
+    return (this.content.facts.pupils ?? []).map(({ name, image }) => make("figure", { class: "pupil" },
+      make("img", { src: image, alt: `${name}: hue is the phase of the light, brightness its amplitude` }),
+      make("figcaption", { title: "hue: phase; brightness: amplitude" }, name)));
+  }
+
   // Values of an array of the content, unpacked once.
   array(name) {
     const packed = this.content.arrays[name];

@@ -274,7 +274,7 @@ export class Stage {
       return make("button", { type: "button", title: `See it ${name} (${key})`, "aria-label": `See it ${name}`,
         onclick: () => this.look(key) }, short);
     });
-    this.over.append(make("div", { class: "views", role: "group", "aria-label": "Views" }, ...this.buttons));
+    this.over.append(make("div", { class: "views", role: "group", "aria-label": "Views" }, ...this.buttons), ...this.shell.pupils());
   }
 
   buildTurns() {
