@@ -129,7 +129,7 @@ print(Beam.__pydantic_complete__)
     ("key", "told"),
     [
         ("power", "'power': must be section.key; did you mean beam.power?"),
-        ("frequency", "did you mean beam.motion.frequency or beam.modulation.frequency?"),
+        ("frequency", "did you mean beam.phasing.frequency or beam.motion.frequency or "),
         ("colour", "'colour': must be section.key, such as beam.power"),
     ],
 )

@@ -15,7 +15,6 @@ from tweezer.calibration import digits
 from tweezer.calibration.answers import KnownDrag
 from tweezer.calibration.axis import along
 from tweezer.calibration.by_axis import ByAxis
-from tweezer.calibration.by_detector import completed, from_signals
 from tweezer.calibration.driving import Drive
 from tweezer.calibration.fits import Record
 from tweezer.calibration.free import Diffusion, Given, not_trapped
@@ -162,7 +161,9 @@ def calibrate(
         radius=radius, viscosity=viscosity, exposure=exposure, diode=diode, noise=noise,
         leave_out=leave_out, drift=drift, fit_range=fit_range,
     )  # fmt: skip
-    if scene is not None:
+    if scene is not None:  # wave optics takes long to import
+        from tweezer.calibration.by_detector import completed, from_signals
+
         described = checked_scene(scene)
         recording = from_signals(recording, described)
         if recording.scene is None:

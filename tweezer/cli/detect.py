@@ -28,7 +28,7 @@ def detect(
     overwrite: Overwrite = False,
     quiet: Quiet = False,
 ) -> None:
-    """Describe the signals of the detector of SCENE.
+    """Describe the signals of SCENE's detector.
 
     The command prints the slope, linear range, crosstalk and shot noise of each signal of the
     photodiode, for a bead at its stable equilibrium.
