@@ -263,6 +263,34 @@ def test_blazed_grating_moves_the_trap(tmp_path):
     assert place[1] == pytest.approx(0.0, abs=1e-9)
 
 
+def test_phase_of_a_hologram_is_the_mask_of_that_phase(tmp_path):
+    """The phase of two equal foci along x is a binary grating, times the phase of their height."""
+    k = 2 * math.pi * N_M / VACUUM
+    x = (np.arange(512) + 0.5) / 256 - 1
+    rho = np.hypot(x, x[:, None])
+    across = x / rho.clip(1) * NA / N_M  # pixels beyond the rim are those on the rim
+    sine = rho.clip(0, 1) * NA / N_M
+    grating = np.pi * (np.cos(k * 1e-6 * across) < 0)
+    values = grating - k * 0.2e-6 * np.sqrt(1 - sine**2)
+    scene = masked(tmp_path, values)
+    foci = [{"position": [sign * 1e-6, 0, 0.2e-6]} for sign in (1, -1)]
+    hologram = scene.replace(beam={"mask": None, "focus": foci, "foci": "phase"})
+    expected = tweezer.optical_force(scene, PLACES[:2])
+    found = tweezer.optical_force(hologram, PLACES[:2])
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+
+
+def test_two_coherent_halves_of_a_masked_beam_are_the_beam(tmp_path):
+    scene = masked(tmp_path, PHASES)
+    half = {"coherent": "a", "power_through_pupil": 0.25}
+    described = scene.model_dump(exclude_none=True)
+    described.pop("more_beams", None)
+    described["beam"] = [{**described["beam"], **half}] * 2
+    found = tweezer.optical_force(tweezer.load_scene(described), PLACES[:2])
+    expected = tweezer.optical_force(scene, PLACES[:2])
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+
+
 # --- files ----------------------------------------------------------------------------------------
 
 
@@ -307,6 +335,7 @@ BAD_KEYS = {
     "mask_flip": {"mask_flip": "z"},
     "mask_extent": {"mask_extent": -1e-3},
     "beam.mask = 3": {"mask": 3},
+    "foci: requires focus": {"mask": None, "foci": "phase"},
 }
 
 

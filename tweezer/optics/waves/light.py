@@ -170,7 +170,8 @@ def waves_on_bead(scene: Scene) -> Waves:
             mask=mask,
             modulation=beam.modulation_terms,
             axicon=beam.axicon,
-        ).normalised(light_cone)
+        )
+        pupil = (pupil.of_phase() if beam.foci == "phase" else pupil).normalised(light_cone)
     uneven = pupil is not None and not pupil.even
     return Waves(
         cone=light_cone,

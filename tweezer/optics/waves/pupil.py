@@ -44,6 +44,8 @@ _NONE = 1e-13
 _ASIDE, _APART, _RINGS, _BRIGHT, _MOST_FOCI = 24, 0.5, 32, 0.3, 8
 #: Number of nodes over the polar angle for the power
 _RINGS_OF_POWER = 400
+#: Number of pixels over the pupil of the phase of a hologram
+_PIXELS = 512
 #: Number of azimuths for the power of the light that a mask transmits
 _AZIMUTHS_OF_POWER = 512
 #: Numbers of azimuths at which T is sampled, and of radii at which its harmonics are compared
@@ -78,7 +80,7 @@ class Pupil:
     """amplitude of a beam that is not round; None for a round beam"""
     spots: tuple[tuple[float, float, float, complex], ...] = ()
     """foci of a hologram: position in 1/k of the medium before a cover, and amplitude; empty for
-    one focus"""
+    one focus. A mask contains their phase, if there are both"""
     size: float = 1.0
     """root mean square of T before it is divided by it"""
     mask: Mask | None = None
@@ -125,7 +127,15 @@ class Pupil:
     @property
     def without_mask(self) -> Pupil:
         """Pupil without the mask."""
-        return dataclasses.replace(self, mask=None)
+        return self if self.mask is None else dataclasses.replace(self, mask=None, spots=())
+
+    def of_phase(self) -> Pupil:
+        """Return this pupil with pixels of the phase of its hologram in place of its field."""
+        x = (np.arange(_PIXELS) + 0.5) * 2 / _PIXELS - 1
+        rho = np.minimum(np.hypot(x, x[:, None]), 1.0).ravel()
+        phi = np.arctan2(np.repeat(x, _PIXELS), np.tile(x, _PIXELS))
+        phase = np.angle(self._fields(rho, phi)).reshape(_PIXELS, _PIXELS)
+        return dataclasses.replace(self, mask=Mask(np.exp(1j * phase), 2.0, 0.0))
 
     def up_to(self, degree: int) -> Pupil:
         """Return this pupil with the Zernike terms of its mask up to a degree."""
@@ -144,20 +154,19 @@ class Pupil:
             found = found * (1 + _zernike_sum(self.modulation, rho, phi))
         if self.shape is not None:
             found = found * self.shape.amplitude(rho, phi)
-        if self.spots:
-            found = found * self._hologram(rho, phi)
+        if self.spots and self.mask is None:
+            found = found * self._fields(rho[:, None], phi)
         if self.mask is not None:
             terms = self.mask.terms(self.degree)
             found = found * harmonic_sum(radial_sums(terms, rho), phi)
         return found / self.size
 
-    def _hologram(self, rho: Array, phi: Array) -> ComplexArray:
-        """Return the sum of the fields of all foci at radii (n,) and azimuths (m,), (n, m)."""
+    def _fields(self, rho: Array, phi: Array) -> ComplexArray:
+        """Return the sum of the fields of all foci at radii and azimuths that broadcast."""
         sine = rho / self.scale
         if self.tangent:
             sine = sine / np.hypot(1.0, sine)
-        along = np.sqrt((1 - sine) * (1 + sine))[:, None]
-        across = sine[:, None]
+        along, across = np.sqrt((1 - sine) * (1 + sine)), sine
         return np.asarray(sum(
             a * np.exp(-1j * (across * (x * np.cos(phi) + y * np.sin(phi)) + along * z))
             for x, y, z, a in self.spots
@@ -199,9 +208,7 @@ class Pupil:
 
     def _transformed(self, rho: Array, count: int) -> ComplexArray:
         """Return the harmonics t_q, (n, count), at radii (n,) in the order of `numpy.fft`."""
-        if self.mask is not None and not (
-            self.wavefront or self.shape or self.spots or self.modulation
-        ):
+        if self.mask is not None and not (self.wavefront or self.shape or self.modulation):
             found = np.zeros((len(rho), count), np.complex128)
             found[:, np.array(self.orders)] = (
                 radial_sums(self.mask.terms(self.degree), rho).T / self.size

@@ -244,7 +244,7 @@ class Beam(OfPupil, OfCoherent):
     @model_validator(mode="after")
     def _mask_of_even_phase(self) -> Self:
         """Refuse a mask in light whose phase or polarisation turns around the axis."""
-        if self.mask is None:
+        if self.mask is None and self.foci == "field":
             return self
         if self.vortex:
             raise refusal(

@@ -120,6 +120,12 @@ class OfPupil(Section):
         "[[beam.focus]]. Requires wave optics. Default: one focus"
     )  # fmt: skip
 
+    foci: Literal["field", "phase"] = Field(
+        "field",
+        description="field: amplitude and phase of the hologram of several foci; phase: its phase "
+        "alone, in 512 x 512 pixels over the pupil, as a spatial light modulator displays it",
+    )
+
     mask: str | None = Field(
         None,
         description="file of an array of pixels over the pupil, centred on the axis: .npy or .npz, "
@@ -189,6 +195,10 @@ class OfPupil(Section):
         ]  # fmt: skip
         if self.mask is None and keys:
             raise refusal(f"{keys[0]}: requires a mask; remove it, or set mask to a file")
+        if self.foci == "phase" and self.focus is None:
+            raise refusal("foci: requires focus; remove it, or give the foci of a hologram")
+        if self.foci == "phase" and (self.annulus is not None or self.axicon):
+            raise refusal("foci = 'phase': cannot be combined with annulus or axicon; remove them")
         for key in ("focus", "annulus"):
             if self.mask is not None and getattr(self, key) is not None:
                 raise refusal(f"mask: cannot be combined with {key}; remove one of them")
