@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -18,6 +19,7 @@ from tweezer.forces.equilibria import (
     opposite,
 )
 from tweezer.scene import Scene
+from tweezer.scene.interference import bounds
 from tweezer.values.arrays import Array
 from tweezer.values.bracketing import maximum
 from tweezer.values.constants import Boltzmann
@@ -79,8 +81,8 @@ class Escape:
     energy_kT: float
     """`energy` in k_B T of the medium"""
     wall_at: float | None
-    """distance from the equilibrium at which the bead touches a wall, m, if the force is restoring
-    up to there; otherwise None"""
+    """distance from the equilibrium at which the bead touches a wall or mirror, m, if the force is
+    restoring up to there; otherwise None"""
     faint_at: float | None = None
     """distance from the equilibrium, m, at which the restoring force has decreased to 5 % of its
     largest value; None if it is larger up to `Trap.reach` or a wall"""
@@ -213,17 +215,15 @@ def _escape(
 
 
 def _to_wall(scene: Scene, origin: Array, direction: str, reach: float) -> float | None:
-    """Return the distance from `origin` at which the bead touches a wall, m; None beyond `reach`,
-    m.
+    """Return the distance from `origin` at which the bead touches a wall or mirror, m.
+
+    It is None beyond `reach`, m.
     """
-    wall = scene.wall
-    if wall is None or direction[1] != "z":
+    if direction[1] != "z":
         return None
     side = 1.0 if direction[0] == "+" else -1.0
-    plane = wall.position if side == -wall.normal else wall.opposite
-    if plane is None:
-        return None
-    distance = side * (plane - origin[2]) - scene.body.support(-side)
+    ahead = [side * (z - origin[2]) for z, normal in bounds(scene).items() if normal == -side]
+    distance = min(ahead, default=math.inf) - scene.body.support(-side)
     return distance if distance < reach else None
 
 

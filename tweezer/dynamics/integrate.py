@@ -23,7 +23,9 @@ from tweezer.dynamics.path import UNTOLD, Path
 from tweezer.dynamics.solution import BEFORE, Solver, Steps
 from tweezer.dynamics.timing import timed
 from tweezer.forces.own import fault_of, forget_faults
+from tweezer.scene import Scene
 from tweezer.scene.choices import METHODS
+from tweezer.scene.interference import AT_MIRROR, in_mirror
 from tweezer.values.arrays import Array
 from tweezer.values.errors import IntegrationError, SceneError
 
@@ -229,12 +231,16 @@ class _SoFar:
         states = piece.states(wanted)
         # a step may end at numbers so large that those within it overflow
         sound = np.asarray(np.isfinite(states).all(axis=1))
-        failed = np.flatnonzero(~sound | _in_a_wall(self.equations, states))
+        scene = self.equations.scene
+        mirrored = in_mirror(scene, states[:, POSITION][:, 2], _soft(scene))
+        failed = np.flatnonzero(~sound | _in_a_wall(self.equations, states) | mirrored)
         kept = int(failed[0]) if len(failed) else len(wanted)
         self.sampled.append(states[:kept])
         self.reached, self.latest = self.reached + kept, piece
         if kept < len(wanted):
-            raise IntegrationError(_IN_A_WALL if sound[kept] else _FAILURES[integrators.NOT_FINITE])
+            if not sound[kept]:
+                raise IntegrationError(_FAILURES[integrators.NOT_FINITE])
+            raise IntegrationError(AT_MIRROR if mirrored[kept] else _IN_A_WALL)
 
     def result(self, method: str, solver: Solver | SciPySolver | None) -> Integration:
         """Return the result of a run that ended."""
@@ -270,9 +276,13 @@ def _in_a_wall(equations: EquationsOfMotion, states: Array) -> NDArray[np.bool_]
     scene = equations.scene
     if scene.wall is None:
         return np.full(len(states), False)
-    soft = max(SOFT, SOFT_IN_TOLERANCES * scene.simulation.position_tolerance)
-    inside: NDArray[np.bool_] = scene.room(states[:, POSITION][:, 2]) < -soft
+    inside: NDArray[np.bool_] = scene.room(states[:, POSITION][:, 2]) < -_soft(scene)
     return inside
+
+
+def _soft(scene: Scene) -> float:
+    """Return the depth in a wall up to which contact is soft, m."""
+    return max(SOFT, SOFT_IN_TOLERANCES * scene.simulation.position_tolerance)
 
 
 @dataclass(frozen=True)

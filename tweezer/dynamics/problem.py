@@ -37,6 +37,7 @@ from tweezer.optics import Beams, LightForce, light_force
 from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.scene.bead import BeadProperties, bead_properties
 from tweezer.scene.choices import MODELS, POLES
+from tweezer.scene.interference import bounds
 from tweezer.values.arrays import Array
 from tweezer.values.constants import speed_of_light
 from tweezer.values.errors import SceneError
@@ -380,8 +381,11 @@ class Problem:
         return tuple(every[np.abs(every) <= self.light.search.reach].tolist())
 
     def _in_the_fluid(self, z: float) -> bool:
-        """Return whether a bead with its centre at z, m, is outside every wall."""
-        return self.scene.wall is None or bool(self.scene.room(z) > 0)
+        """Return whether a bead with its centre at z, m, is outside every wall and mirror."""
+        return all(
+            normal * (z - plane) > self.scene.body.support(normal)
+            for plane, normal in bounds(self.scene).items()
+        )
 
     def places_about(self, time: float = 0.0) -> Array:
         """Return random positions about the foci at a time, s, followed by the start, (n, 3) m.

@@ -31,6 +31,7 @@ from tweezer.forces.force import bound
 from tweezer.forces.own import fault_of, forget_faults
 from tweezer.scene import Scene
 from tweezer.scene.arguments import check_thermal
+from tweezer.scene.interference import AT_MIRROR, in_mirror
 from tweezer.values.arrays import Array
 from tweezer.values.errors import IntegrationError, SceneError, warn
 
@@ -415,6 +416,10 @@ class Walk:
                 f"{sample * plan.per_sample * plan.step:.6g} s: the step of {self.step:.3g} s is "
                 "too long"
             )
+        at = in_mirror(self.scene, out[..., POSITION][..., 2])
+        if at.any():
+            trajectory = trajectories[at.any(axis=1)][0]
+            raise IntegrationError(f"trajectory {trajectory}: {AT_MIRROR}")
 
     def motion(self, samples: Array) -> Motion:
         """Return samples (n, len(columns)) as named quantities, with the angular velocity in the

@@ -12,7 +12,7 @@ from tweezer.optics import cone_caveat, drawn_cones, ray_optics_caveat
 from tweezer.plots import style
 from tweezer.scene import Scene
 from tweezer.scene.heading import changes
-from tweezer.scene.interference import planes as reflecting_planes
+from tweezer.scene.interference import bounds
 from tweezer.values.prefixes import per
 
 if TYPE_CHECKING:
@@ -48,9 +48,7 @@ def planes(scene: Scene) -> list[tuple[float, float]]:
 
     The normal is the direction along z from the plane to the bead, 1 or -1.
     """
-    found = dict(scene.wall.planes if scene.wall else ())
-    found |= {each.position: each.normal for each in reflecting_planes(scene)}
-    return [(per("um") * z, normal) for z, normal in found.items()]
+    return [(per("um") * z, normal) for z, normal in bounds(scene).items()]
 
 
 def draw_walls(axes: Axes, scene: Scene, reach: float) -> None:

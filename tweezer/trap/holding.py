@@ -15,6 +15,7 @@ from tweezer.forces.equilibria import Equilibrium
 from tweezer.forces.rings import Ring
 from tweezer.optics import sampled
 from tweezer.scene import Scene
+from tweezer.scene.interference import separately
 from tweezer.trap.exit_time import Field, Grid, Region, mean_time
 from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
@@ -225,6 +226,10 @@ def _not_computed(problem: Problem, held: Equilibrium | Ring, reach: float) -> s
     scene = problem.scene
     if len(scene.beams) > 1:
         return "for several beams"
+    if scene.mirror is not None:
+        return "with a mirror"
+    if not separately(scene, scene.beams):
+        return "with a wall that reflects light"
     if not scene.plain:
         return "for a beam that is not upwards through the origin, moves or changes"
     if scene.forces.dlvo is not None:

@@ -466,7 +466,8 @@ class Trap(Comparable, Result):
             if each.faint_at is not None:
                 end = f"{um * each.faint_at:.4g}"
             elif each.wall_at is not None:
-                end = f"wall at {micrometres(each.wall_at)}"
+                plane = "wall" if self.scene.wall else "mirror"
+                end = f"{plane} at {micrometres(each.wall_at)}"
             elif each.range is not None:
                 end = f"{um * each.range:.4g}"
             cells = [

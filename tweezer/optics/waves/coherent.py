@@ -260,6 +260,8 @@ def paths_of(
     found = [Path(light(mixing=faced), place, strength, phase, down)]
     for plane in reflecting(scene, beam):
         index = None if plane.refractive_index is None else plane.refractive_index / n_m
+        if index == 1:  # nothing is reflected
+            continue
         image = reflected(light(mixing=faced or index is not None), index)
         found.append(Path(image, place, strength, phase, down, plane.position))
     return found
