@@ -185,6 +185,9 @@ def test_conveyor_carries_the_bead():
 
 MAPPED = {
     "standing wave": ([A, {**A, **DOWN, "phase": 1.0, "position": [1e-7, 0, 0]}], {}),
+    "standing wave, at another place": (
+        [A, {**A, **DOWN, "phase": 1.0, "position": [-1e-7, 0, 0]}], {}
+    ),
     "mirror": ([{}], {"mirror": {"position": 1.6e-6, "refractive_index": 1.52}}),
 }  # fmt: skip
 
