@@ -34,6 +34,9 @@ Factor = Annotated[float, Quantity("", 0, 1e6)]
 Phases = Annotated[tuple[Angle, ...], entries(1, 100_000)]
 Factors = Annotated[tuple[Factor, ...], entries(1, 100_000)]
 
+#: Pattern of a name
+NAME = r"^\w[^/\\\x00-\x1f\x7f]{0,99}$"
+
 
 class Section(BaseModel):
     """Base of a section of a scene: immutable, and without unknown keys."""

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from tweezer.scene.body import Body
 from tweezer.scene.choices import Evaluator
-from tweezer.scene.courses import Section
+from tweezer.scene.courses import NAME, Section
 from tweezer.scene.sections import (
     Bead,
     Beam,
@@ -37,7 +37,7 @@ class Description(Section):
 
     name: str = Field(
         "scene",
-        pattern=r"^\w[^/\\\x00-\x1f\x7f]{0,99}$",
+        pattern=NAME,
         description="name of the scene, and of its result files",
     )
     description: str = Field("", description="one line on what it shows")

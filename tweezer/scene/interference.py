@@ -151,6 +151,12 @@ def check_interference(scene: Description) -> None:
                 f"{plane.key}.position = {plane.position:g}: the bead must start beside the "
                 "plane, by more than its radius"
             )
+    sides = [plane.normal for plane in planes(scene)]
+    if scene.mirror is not None and sides.count(sides[0]) > 1:
+        raise refusal(
+            f"mirror.position = {scene.mirror.position:g}: a wall on the same side of the bead "
+            "reflects the light too; remove wall.reflects, or the mirror"
+        )
     if scene.mirror is not None and not any(
         plane.key == "mirror" for beam in scene.beams for plane in reflecting(scene, beam)
     ):

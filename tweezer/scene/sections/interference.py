@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from tweezer.scene.courses import Phasing, Section
+from tweezer.scene.courses import NAME, Phasing, Section
 from tweezer.values.units import Angle, ComplexIndex, WallPosition
 
 
@@ -12,7 +12,7 @@ class OfCoherent(Section):
     """Base of a beam, with its phase relative to the beams that it interferes with."""
 
     coherent: str | None = Field(
-        None, pattern=r"^\w[\w-]{0,49}$", description="name shared by beams whose fields add; "
+        None, pattern=NAME, description="name shared by beams whose fields add; "
         "beams of different names, or without one, add their forces. Requires wave optics, and "
         "polarised light of one wavelength. Default: none"
     )  # fmt: skip
