@@ -219,6 +219,7 @@ def test_detect_keeps_the_dimensions_of_positions():
     again = tweezer.detect(DETECTED, several["position"][0])
     assert again["signal"].dims == ("place_1", "channel")
     np.testing.assert_allclose(again["signal"], several["signal"][0], rtol=0, atol=1e-14)
+    assert tweezer.detect(DETECTED, np.zeros((0, 3)))["slope"].shape == (0, 3, 3)
 
 
 @pytest.mark.parametrize(("changes", "message"), [

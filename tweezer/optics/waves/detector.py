@@ -84,6 +84,8 @@ class Diode:
             Integrals of D^2 |g|^2, 1. The mean of a signal over a time tau has the variance
             hbar omega P/tau times them by shot noise, where P is the power.
         """
+        if not len(positions):
+            return np.zeros((0, 3)), np.zeros((0, 3, 3 if slopes else 0)), np.zeros((0, 3))
         view = _View(self, positions)
         parts = [
             view.signals(positions[first : first + TOGETHER], slopes=slopes)
