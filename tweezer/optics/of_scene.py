@@ -195,10 +195,17 @@ class SceneLight:
         """Return force and torque at positions (..., 3), m, which are n in total.
 
         `time` is in s, and `turned` are Euler parameters (n, 4). If `gradient`, gradients are
-        computed too. A warning is given if the error exceeds the tolerance.
+        computed too. A warning is given if the error exceeds the tolerance. Raises `SceneError` for
+        positions at which the force is not computed.
         """
         listed, force = places.reshape(-1, 3), self._force
         field = force.field(listed, gradient=gradient, time=time, orientations=turned)
+        if (beyond := np.isinf(field.error)).any():
+            far = float(np.linalg.norm(listed[beyond], axis=1).min())
+            raise SceneError(
+                f"positions = {far:.3g}: too far from the foci; light of several beams, or without "
+                "an axis, is computed up to about 1.25 times simulation.loss_distance; increase it"
+            )
         tolerance = self.scene.optics.tolerance
         doubtful = field.error > tolerance * np.linalg.norm(field.force, axis=1)
         if doubtful.any():

@@ -212,6 +212,16 @@ def test_map_has_the_certified_error(beams, sections):
     )
 
 
+FAR = {"coherent": [A, {**A, **DOWN}], "separate": [{}, DOWN],
+       "uneven": [{"aberration": [[2, 2, 0.1]]}]}  # fmt: skip
+
+
+@pytest.mark.parametrize("beams", FAR.values(), ids=FAR.keys())
+def test_force_too_far_from_the_foci_is_refused(beams):
+    with pytest.raises(SceneError, match="too far from the foci"):
+        tweezer.optical_force(scene_with(*beams), [[0.0, 0.0, 0.0], [0.0, 0.0, -1e-3]])
+
+
 WRONG = {
     "phase alone": ([{"phase": 1.0}], {}, "beam.phase: requires beam.coherent"),
     "phasing alone": ([{"phasing": {"kind": "ramp", "rate": 1.0}}], {},
