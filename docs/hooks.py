@@ -65,7 +65,8 @@ COMMANDS = {
 KEYS = {
     "scenes.md": ("Scene files", "bead medium lens beam"),
     "scenes-motion.md": (
-        "Scene files: motion and computation", "start wall mirror forces camera optics simulation"
+        "Scene files: motion and computation",
+        "start wall mirror forces camera detector optics simulation",
     ),
 }  # fmt: skip
 

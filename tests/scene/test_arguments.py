@@ -42,7 +42,7 @@ NAMED = {
     "tune": lambda scene: tweezer.tune(scene, [-1.0]),
 }
 #: these take a recording first; their scene is tried with them
-WITH_RECORDING = {"fit", "fit_depth"}
+WITH_RECORDING = {"calibrate", "fit", "fit_depth"}
 
 
 def test_every_function_that_takes_a_scene_is_listed():

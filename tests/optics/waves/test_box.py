@@ -313,7 +313,8 @@ def test_trap_by_the_map_is_the_trap_by_the_quadrature():
 
 def test_thermal_commands_use_a_map_if_the_light_has_one():
     beam = EVEN.beam.model_dump(exclude_none=True) | {"coherent": "pair"}
-    pair = EVEN.model_dump(exclude_none=True) | {"beam": [beam, {**beam, "direction": "down"}]}
+    moving = {**beam, "direction": "down", "phasing": {"kind": "ramp", "rate": 50.0}}
+    pair = EVEN.model_dump(exclude_none=True) | {"beam": [beam, moving]}
     pair.pop("more_beams")
     coherent = tweezer.load_scene(pair)
     found = [with_thermal_motion(scene, {}).optics.evaluator for scene in (UNEVEN, coherent)]
