@@ -14,7 +14,7 @@ from tweezer.optics.binding import Beams, evaluators_of, light_force
 from tweezer.optics.light import LightForce
 from tweezer.results.run import variable, with_error
 from tweezer.scene import Scene, SceneLike, checked_scene
-from tweezer.scene.interference import planes
+from tweezer.scene.interference import faces
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError, warn
 from tweezer.values.printed import in_unit, printed
@@ -499,13 +499,11 @@ def absorbed_power(
 def _outside_walls(scene: Scene, places: Array) -> None:
     """Raise `SceneError` for positions (n, 3) m at which the bead reaches into a wall or cover."""
     body, cover = scene.body, scene.lens.cover
-    walls = {z: (normal, "wall") for z, normal in (scene.wall.planes if scene.wall else ())}
+    walls = faces(scene)
     if cover is not None:
         for beam in scene.beams:
             normal = 1.0 if beam.direction == "up" else -1.0
             walls[-normal * cover.depth] = normal, "cover glass"
-    for plane in planes(scene):
-        walls.setdefault(plane.position, (plane.normal, plane.key))
     for z, (normal, name) in walls.items():
         inside = np.flatnonzero(normal * (places[:, 2] - z) < (1 - _ROUNDED) * body.support(normal))
         if inside.size:

@@ -52,13 +52,21 @@ def planes(scene: Description) -> tuple[Plane, ...]:
     return tuple(found)
 
 
+def faces(scene: Description) -> dict[float, tuple[float, str]]:
+    """Return the walls and mirrors of a scene by their height z, m.
+
+    Each has the sign of z of its normal towards the bead, and its name.
+    """
+    walls = {z: (normal, "wall") for z, normal in (scene.wall.planes if scene.wall else ())}
+    return walls | {each.position: (each.normal, each.key) for each in planes(scene)}
+
+
 def bounds(scene: Description) -> dict[float, float]:
     """Return the heights z of walls and mirrors, m, each with the sign of z of its normal.
 
     The normal points towards the bead. The force beyond these planes is unknown.
     """
-    walls = dict(scene.wall.planes if scene.wall else ())
-    return walls | {plane.position: plane.normal for plane in planes(scene)}
+    return {z: normal for z, (normal, _) in faces(scene).items()}
 
 
 def in_mirror(scene: Description, z: Array, depth: float = 0.0) -> NDArray[np.bool_]:

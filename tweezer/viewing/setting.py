@@ -9,7 +9,7 @@ import numpy as np
 
 from tweezer.optics import cone_caveat, drawn_cones, ray_optics_caveat
 from tweezer.scene import Scene
-from tweezer.scene.interference import planes as reflecting_planes
+from tweezer.scene.interference import faces
 from tweezer.scene.surfaces import surface_of
 from tweezer.viewing.arrays import float32
 from tweezer.viewing.pupils import pupil_pictures
@@ -76,8 +76,7 @@ def _walls(scene: Scene) -> list[dict[str, Any]]:
     `normal` is the direction along z from the plane to the bead, 1 or -1.
     """
     cover = scene.lens.cover
-    planes = {z: (normal, "wall") for z, normal in (scene.wall.planes if scene.wall else ())}
-    planes |= {each.position: (each.normal, each.key) for each in reflecting_planes(scene)}
+    planes = faces(scene)
     if cover is not None:
         same = [z for z in planes if math.isclose(z, -cover.depth, abs_tol=_SAME)]
         planes[same[0] if same else -cover.depth] = (1, "cover glass")

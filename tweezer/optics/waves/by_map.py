@@ -22,7 +22,7 @@ from tweezer.optics.waves.light import Waves, waves_on_bead
 from tweezer.scene import Scene
 
 #: Tolerance of the quadrature that a table is made from, as a part of the table's
-_FINER = 0.01
+FINER = 0.01
 
 _SOURCES = sources(
     "compiled.lanes", "generated.spline", "generated.waves", "optics.mask", "optics.polynomials",
@@ -123,7 +123,7 @@ def _made(
     across, along = 2 * math.sin(angle), 2 * math.sin(angle / 2) ** 2
     if _twofold(in_units):
         return build(
-            WavesByQuadrature(in_units, _FINER * tolerance, 1.01 * reach).field,
+            WavesByQuadrature(in_units, FINER * tolerance, 1.01 * reach).field,
             band=(across, along),
             reach=reach,
             tolerance=tolerance,
@@ -134,7 +134,7 @@ def _made(
     low, high = in_units.foci.min(axis=0) - reach, in_units.foci.max(axis=0) + reach
     farthest = float(np.linalg.norm(np.maximum(-low, high)))
     return box.build(
-        WavesByQuadrature(in_units, _FINER * tolerance, farthest).field,
+        WavesByQuadrature(in_units, FINER * tolerance, farthest).field,
         band=np.array([across, across, along]),
         low=low,
         high=high,

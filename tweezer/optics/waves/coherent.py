@@ -56,9 +56,7 @@ from tweezer.optics.waves.kernel import (
     moment_gradient_sum,
     moment_sum,
 )
-from tweezer.optics.waves.kernel import (
-    Waves as AboutBead,
-)
+from tweezer.optics.waves.kernel import Waves as AboutBead
 from tweezer.optics.waves.light import Waves, waves_on_bead
 from tweezer.optics.waves.mirror import reflected
 from tweezer.optics.waves.partial_waves import OPTIONS
@@ -72,8 +70,6 @@ from tweezer.values.arrays import Array
 _PATHS = SPHERE + 1
 #: Type of the compiled `coherent_absorption`
 _ABSORPTION = types.float64[::1](types.float64[:, ::1], types.float64, DATA)
-#: Spacing of samples along z, in wavelengths: light from both sides has a period of a half
-_SPACING = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +128,8 @@ class Interference(Light):
             spacing=min(each.spacing for each in every),
             beside=min(each.beside for each in every),
             reach=max(each.reach for each in every),
-            coarsest=_SPACING * math.pi / self.wavenumber,
+            # fringes of light from both sides have a period of half a wavelength
+            coarsest=min(each.spacing for each in every) / 2,
             known=min(each.known for each in every) - away,
         )
 

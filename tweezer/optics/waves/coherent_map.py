@@ -18,11 +18,9 @@ from tweezer.optics.table import Progress, Table, sources
 from tweezer.optics.waves import box
 from tweezer.optics.waves.amplitudes import Path
 from tweezer.optics.waves.box import Spline
+from tweezer.optics.waves.by_map import FINER
 from tweezer.optics.waves.coherent import ByInterference, Interference
 from tweezer.scene import Scene
-
-#: Tolerance of the quadrature that a table is made from, as a part of the table's
-_FINER = 0.01
 
 _SOURCES = sources(
     "compiled.lanes", "generated.spline", "generated.waves", "optics.shaped",
@@ -46,24 +44,21 @@ class CoherentByMap(Mapped):
     """force outside the range of the map"""
     tolerance: float
     """of the map, as a part of the largest force"""
-    reach: float
-    """distance between the foci and the faces of the map's box, 1/k"""
 
     def of_radius(self, radius: float) -> LightForce:
         """Return the force of this light on a bead of another radius, m; its map is not stored."""
         if radius == self.light.radius:
             return self
         outside = self.outside.of_radius(radius)
-        made = _made(outside, self.tolerance, self.reach)
+        made = _made(outside, self.tolerance, self.made.reach)
         return dataclasses.replace(self, light=outside.light, made=made, outside=outside)
 
 
 def by_coherent_map(scene: Scene, force: ByInterference) -> CoherentByMap:
     """Return the force of light that interferes, read from its map; made if it is not stored."""
     made, _ = _stored(scene, force)
-    k = force.light.wavenumber
-    tolerance, reach = scene.optics.table_tolerance, k * scene.table_reach
-    return CoherentByMap(force.light, made, 1 / k, force, tolerance, reach)
+    unit = 1 / force.light.wavenumber
+    return CoherentByMap(force.light, made, unit, force, scene.optics.table_tolerance)
 
 
 def coherent_map(scene: Scene, force: ByInterference, progress: Progress | None = None) -> Table:
@@ -116,7 +111,7 @@ def _made(
     low, high = in_units.foci.min(axis=0) - reach, in_units.foci.max(axis=0) + reach
     farthest = float(np.linalg.norm(np.maximum(-low, high)))
     return box.build(
-        ByInterference(in_units, _FINER * tolerance, farthest, 0.0).field,
+        ByInterference(in_units, FINER * tolerance, farthest, 0.0).field,
         band=np.array([2 * math.sin(angle), 2 * math.sin(angle), along]),
         low=low,
         high=high,
