@@ -96,7 +96,7 @@ def test_signals_of_continued_run_are_those_of_the_whole(run):
 
 
 def test_signals_end_with_a_lost_bead():
-    """The light and the weight carry a bead that is released far from the focus out of reach."""
+    """A bead that goes beyond the loss distance is lost."""
     lost = SEEN.replace(
         simulation={"loss_distance": 1e-6}, start={"position": [9.5e-7, 0, 0]},
         beam={"power_through_pupil": 1e-9},

@@ -45,8 +45,8 @@ class Signals:
     def recorded(self, positions: Array, trajectories: Integers, first: int = 0) -> Array:
         """Return the signals of x, y and z at successive samples, (m, n, 3) W.
 
-        They are NaN where a position is, and with a bandwidth from there on. Before the first
-        position the bead is at rest. Between samples signals are linear.
+        They are NaN where the position is NaN, and with a bandwidth also at all later samples.
+        Before the first position the bead is at rest. Between samples signals are linear.
 
         Parameters
         ----------

@@ -306,7 +306,7 @@ class Problem:
     def _beside_axes(self, foci: Array, net_force: NetForce) -> Array:
         """Return starting positions of the search beside the axes of foci, (n, 3) m.
 
-        There are none if every pupil is the same all around.
+        The array is empty if every pupil is the same all around.
         """
         if all(beam.even for beam in self.scene.beams) or not self.scene.lit:
             return np.zeros((0, 3))

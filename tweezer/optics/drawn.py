@@ -38,7 +38,7 @@ class DrawnCone(NamedTuple):
 
 
 def drawn_cones(scene: Scene) -> list[DrawnCone]:
-    """Return the cones of light of a scene: those of all foci of all lit beams."""
+    """Return the cones of light of a scene, one for each focus of each lit beam."""
     found = []
     for beam in scene.beams:
         if not (alone := scene.with_one_beam(beam)).lit:

@@ -1,8 +1,8 @@
 """Arrays of pixels in the pupil, such as the pattern of a spatial light modulator.
 
-Files .npy and .npz contain an array of the phase (rad), the amplitude or the complex field. Its
-columns ascend along x and its rows along y. A .png image contains grey levels, with its first row
-at the largest y. The array is centred on the axis, and no light passes outside of it.
+Files .npy and .npz contain an array of the phase (rad), the amplitude or the complex field. In it,
+x increases from column to column and y from row to row. A .png image contains grey levels, with its
+first row at the largest y. The array is centred on the axis, and no light passes outside of it.
 """
 
 from __future__ import annotations

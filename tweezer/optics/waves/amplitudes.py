@@ -50,8 +50,8 @@ _STRENGTH, _PHASE, _NUMBERS = ENTRIES, 2 * ENTRIES, 3 * ENTRIES
 _STATES, _SOURCE = _NUMBERS + 1, _NUMBERS + 2
 _OF_SOURCE, _OF_GRID = 13, 5
 ENTRIES_OF_PATH = _SOURCE + _OF_SOURCE + _OF_GRID
-# numbers of a path: root of its share of the power, whether it travels down, whether it is
-# reflected, height of the mirror in the scene, m
+# numbers of a path: amplitude (root of the power as a part of the whole), whether it travels down,
+# whether it is reflected, mirror's height in the scene, m
 _AMPLITUDE, _DOWN, _REFLECTED, _HEIGHT = range(4)
 #: Type of the compiled function of `Amplitudes.at`
 _AT = types.complex128[:, :, :, :, ::1](types.float64[:, ::1], types.float64, DATA)
@@ -284,9 +284,8 @@ class Amplitudes:
         -------
         ndarray, shape (n, states, 2, 2 N + 1, N + 1)
             p_nm = 2 pi i^m P_nm of the helicities +1 and -1, by the order m = -N..N and the degree
-            n = 0..N, where N is `degree`. The sum of |p_nm|^2 over a whole sphere's worth of
-            degrees is the share of the power in the state, without its `weight`. NaN for a bead
-            beyond `reach`.
+            n = 0..N, where N is `degree`. The sum of |p_nm|^2 over all degrees is the power of the
+            state as a part of the whole, without its `weight`. NaN for a bead beyond `reach`.
         """
         places = np.require(positions, np.float64, ["C", "W"])
         found: NDArray[np.complex128] = _amplitudes_at()(places, time, self._bound[0])

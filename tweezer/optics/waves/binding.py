@@ -169,10 +169,21 @@ def source(
 
 
 def uneven_grid(light: Waves, nodes: Nodes, reach: float, top: int) -> tuple[Any, ...]:
-    """Return the fields of `grid.Grid` for an uneven pupil, with orders m up to `top`.
+    """Return the fields of `grid.Grid` for an uneven pupil.
 
     The azimuths of a rule resolve the computed orders and all orders of the light about the
     farthest bead of the rule. The latter come from the pupil's factor and from a plane wave there.
+
+    Parameters
+    ----------
+    light : Waves
+        Waves of the light, with a pupil.
+    nodes : Nodes
+        Choice of nodes over the cone.
+    reach : float
+        Largest distance of the bead from the focus, m.
+    top : int
+        Highest order |m| that is computed.
     """
     assert light.pupil is not None
     most = top + max(abs(part.angular_momentum) for each in light.states for part in each.parts)

@@ -55,8 +55,8 @@ _OF_SERIES, _OF_SPLINE = 2e-3, 0.1
 _SAFETY = 2.0
 #: Number of random places at which a table is compared with the force
 _COMPARED = 2000
-#: Largest number of trials of a spacing, factor above an estimated number of intervals, and part of
-#: the intervals below which fewer are tried
+#: Search for the number of intervals: most trials, factor above the estimate, and the part of the
+#: intervals below which fewer are tried
 _TRIALS, _SPARE, _MUCH_LESS = 6, 1.02, 0.93
 #: Numbers of places in the least squares and in the search for the largest difference, per interval
 _FITTED, _SEARCHED = 4, 6

@@ -12,11 +12,11 @@ D = 1 for all of the light, sign(cos phi) and sign(sin phi) for the halves of a 
 the components of s for momentum. Moving the sphere along i changes g by i k v_i (`scattered`).
 
 Nodes are Gauss's in theta, because halves of the light are odd in sin(theta), with panels inside
-and outside of the cone of light. Over the azimuths phi_j, the weights
+and outside of the cone of light. The azimuths phi_j have the weights
 
     w_j = (2 pi/N) sum over mu of D_mu exp(i mu phi_j)
 
-contain the Fourier coefficients D_mu of D. They integrate light with |mu| < N/2 exactly.
+with the Fourier coefficients D_mu of D. They integrate light with |mu| < N/2 exactly.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Light that a plane mirror reflects.
 
-The mirror at the height h turns a plane wave along s into one along (s_x, s_y, -s_z), with the
-amplitudes r_p g_theta and r_s g_phi along its own unit vectors e_theta and e_phi. The first unit
-vector is minus the mirror image of the incident one. The reflected field is therefore the mirror
-image of light with the amplitudes
+The mirror at the height h turns a plane wave along s into one along (s_x, s_y, -s_z). Its
+amplitudes are r_p g_theta and r_s g_phi along its own unit vectors. Its e_theta is minus the mirror
+image of the incident one. The reflected field is therefore the mirror image of light with the
+amplitudes
 
     -r_p g_theta,   r_s g_phi,
 

@@ -4,7 +4,7 @@ Let the light of an evenly lit pupil have the factor R_n^m(rho) exp(i m phi). At
 the focus it is of the order of J_n(k r sin(theta_m)). A bead with waves of degrees up to N at r
 is therefore reached by the terms of degrees n < N + k r sin(theta_m) + few alone. Let l_j be the
 sizes of the Zernike terms of the remaining light, by their degree j. Let w_N be the part of the
-bead's waves that counts, by their degree N. The contribution of terms from the degree n on is below
+bead's waves that counts, by their degree N. Terms of degree n and higher contribute less than
 
     sum_j l_j max_N w_N sum_(i >= n - N - j) 2 |J_i(k r sin(theta_m))|.
 
@@ -32,7 +32,7 @@ from tweezer.values.shown import Row
 
 #: Largest degree of the terms of a mask
 MOST_TERMS = 480
-#: Degree of the terms of the rest of the light, and number of radii at which it is sampled
+#: Degree of the terms of the light without the mask, and number of radii at which it is sampled
 _OF_LIGHT, _RADII = 240, 400
 #: Degree for which light is sampled over the cone, in addition to twice the degree of its terms
 _SAMPLED = 160
