@@ -27,7 +27,7 @@ _SOURCES = sources(
     *(
         f"optics.waves.{name}"
         for name in (
-            "amplitudes", "binding", "box", "coherent", "coherent_map", "focus", "grid",
+            "amplitudes", "binding", "box", "by_map", "coherent", "coherent_map", "focus", "grid",
             "harmonics", "kernel", "light", "mirror", "nodes", "partial_waves", "pupil", "sphere",
         )
     ),
