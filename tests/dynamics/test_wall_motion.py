@@ -88,8 +88,9 @@ def test_a_bead_rests_on_the_wall_and_is_picked_up(falling):
     assert (gap > 0).all()
     before = run["time"].values < 1.0
     assert 0.1e-9 < gap[before][-1] < 0.3e-9
-    # the last samples differ by less than 1e-11 m on some processors, and by 5.4e-11 m on others
-    assert abs(gap[before][-1] - gap[before][-5]) < 8e-11
+    # At rest the steps leave the gap between 0.208 and 0.262 nm, beyond the tolerance of 1e-12 m.
+    # Two samples may agree by chance, so all of the last eight are compared.
+    assert np.ptp(gap[before][-8:]) < 8e-11
     assert gap[-1] > 0.5e-6
     assert abs(run["position"].sel(axis="z").values[-1]) < 0.5e-6
 
