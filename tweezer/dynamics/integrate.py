@@ -18,6 +18,7 @@ from tweezer.dynamics import integrators
 from tweezer.dynamics.choose import method_for
 from tweezer.dynamics.events import Event, Occurrence, Piece, ending
 from tweezer.dynamics.layout import POSITION
+from tweezer.dynamics.mirror import AT_MIRROR, in_mirror
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.dynamics.path import UNTOLD, Path
 from tweezer.dynamics.solution import BEFORE, Solver, Steps
@@ -25,7 +26,6 @@ from tweezer.dynamics.timing import timed
 from tweezer.forces.own import fault_of, forget_faults
 from tweezer.scene import Scene
 from tweezer.scene.choices import METHODS
-from tweezer.scene.interference import AT_MIRROR, in_mirror
 from tweezer.values.arrays import Array
 from tweezer.values.errors import IntegrationError, SceneError
 

@@ -20,6 +20,7 @@ from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.camera import Exposure, Frames, at_short_times
 from tweezer.dynamics.continuing import Continued, End
 from tweezer.dynamics.layout import POSITION, ROTATION, TRANSLATION, Layout
+from tweezer.dynamics.mirror import AT_MIRROR, in_mirror
 from tweezer.dynamics.models import Motion
 from tweezer.dynamics.needs import Facts, is_diagonal, rates_of
 from tweezer.dynamics.problem import Problem, bound_once
@@ -31,7 +32,6 @@ from tweezer.forces.force import bound
 from tweezer.forces.own import fault_of, forget_faults
 from tweezer.scene import Scene
 from tweezer.scene.arguments import check_thermal
-from tweezer.scene.interference import AT_MIRROR, in_mirror
 from tweezer.values.arrays import Array
 from tweezer.values.errors import IntegrationError, SceneError, warn
 

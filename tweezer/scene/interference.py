@@ -4,20 +4,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from tweezer.scene.courses import refusal
 from tweezer.scene.description import Description
 from tweezer.scene.sections import Beam
 from tweezer.scene.theory import named_beams
-from tweezer.values.arrays import Array
 
-#: Reason of a run that failed as the bead reached the mirror
-AT_MIRROR = (
-    "the bead reached the mirror, beyond which no force is known; a [wall] in front of it stops "
-    "the bead"
-)
 #: Refractive index of a wall that reflects light, if neither wall nor cover has one: cover glass
 GLASS = 1.518
 
@@ -67,17 +58,6 @@ def bounds(scene: Description) -> dict[float, float]:
     The normal points towards the bead. The force beyond these planes is unknown.
     """
     return {z: normal for z, (normal, _) in faces(scene).items()}
-
-
-def in_mirror(scene: Description, z: Array, depth: float = 0.0) -> NDArray[np.bool_]:
-    """Return whether a bead reaches into the mirror of a scene by more than a depth, m.
-
-    Its centre is at the heights z (n,), m.
-    """
-    if scene.mirror is None:
-        return np.full(np.shape(z), False)
-    normal = bounds(scene)[scene.mirror.position]
-    return np.asarray(normal * (z - scene.mirror.position) < scene.body.support(normal) - depth)
 
 
 def reflecting(scene: Description, beam: Beam) -> tuple[Plane, ...]:
