@@ -15,6 +15,7 @@ from numpy.polynomial import Chebyshev
 
 from tweezer.optics import shaped
 from tweezer.optics.mask import Mask, mask_of
+from tweezer.optics.sectors import Sectors
 from tweezer.optics.zernike import gauss
 from tweezer.scene import Scene
 from tweezer.scene.sections import Beam, Lens, Medium
@@ -30,7 +31,7 @@ _DARK = 47.0
 _FAINT = 42.0
 #: Smallest part of a beam's power that may pass the pupil
 _LEAST_FRACTION = 1e-100
-#: Smallest part of the light within the pupil that may pass an annulus or a mask
+#: Smallest part of the light within the pupil that may pass an annulus, sectors or a mask
 _LEAST_PASSED = 1e-9
 #: Numbers of rings and azimuths for the power that passes
 _RINGS, _AZIMUTHS = 400, 512
@@ -121,7 +122,7 @@ def total_power(lens: Lens, beam: Beam) -> float:
 
 
 def fraction_through_pupil(lens: Lens, beam: Beam) -> float:
-    """Return the fraction of the beam's power that passes the pupil, its annulus and its mask.
+    """Return the fraction of the beam's power that passes the pupil and what is in it.
 
     Raises `SceneError` as `_within_pupil`, and for a mask as `tweezer.optics.mask.mask_of`.
     """
@@ -129,13 +130,13 @@ def fraction_through_pupil(lens: Lens, beam: Beam) -> float:
 
 
 def _passed(lens: Lens, beam: Beam) -> float:
-    """Return the fraction of the light within the pupil that passes its annulus and its mask."""
+    """Return the fraction of the light within the pupil that passes what is in it."""
     mask = mask_of(beam, lens.radius)
     if (mask is None or mask.lossless) and beam.annulus is None:
         return 1.0
     phi = 2 * math.pi * np.arange(_AZIMUTHS) / _AZIMUTHS
 
-    def power(low: float, high: float, passing: Mask | None) -> float:
+    def power(low: float, high: float, passing: Mask | Sectors | None) -> float:
         """Return the power between two radii, in any unit, that passes a mask."""
         x, weight = gauss(_RINGS)
         rho = low + (high - low) * (x + 1) / 2
@@ -152,8 +153,8 @@ def _passed(lens: Lens, beam: Beam) -> float:
     passed = power(low, high, mask) if low < high else 0.0
     fraction = passed / power(0.0, edge, None)
     if not fraction > _LEAST_PASSED:
-        key = f"beam.mask = {beam.mask!r}" if mask else f"beam.annulus = {beam.annulus}"
-        raise SceneError(f"{key}: transmits almost none of the light")
+        key = beam.pattern or "annulus"
+        raise SceneError(f"beam.{key} = {getattr(beam, key)!r}: transmits almost none of the light")
     return fraction
 
 

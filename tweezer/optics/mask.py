@@ -13,10 +13,11 @@ import math
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
+from tweezer.optics.sectors import Sectors
 from tweezer.optics.zernike import projected, radial_sums
 from tweezer.scene.sections import Beam
 from tweezer.values.arrays import Array, Complex
@@ -43,6 +44,7 @@ _FLIPPED: dict[str, tuple[int, ...]] = {"none": (), "x": (1,), "y": (0,), "both"
 class Mask:
     """Complex factor of the light in square pixels over the pupil."""
 
+    key: ClassVar[str] = "mask"
     values: Complex
     """(rows, columns) factor of the pixels; x ascends over the columns, and y over the rows"""
     width: float
@@ -97,24 +99,26 @@ def harmonic_sum(harmonics: Complex, phi: Array) -> Complex:
     return np.asarray(harmonics.T @ np.exp(1j * np.outer(np.arange(-degree, degree + 1), phi)))
 
 
-def mask_of(beam: Beam, radius: float) -> Mask | None:
-    """Return the mask of a beam in a pupil of a radius, m; None if it has none.
+def mask_of(beam: Beam, radius: float) -> Mask | Sectors | None:
+    """Return the mask or the sectors of a beam in a pupil of a radius, m; None if it has neither.
 
     Raises `SceneError` for a file that cannot be read, or that contains no such mask, and for a
     beam whose light does not fill the pupil smoothly.
     """
-    if beam.mask is None:
+    if beam.pattern is None:
         return None
     if beam.sigma is not None and beam.sigma * _NARROWEST < radius:
         raise SceneError(
-            f"beam.sigma = {beam.sigma:.3g}: with a mask the beam must be at least "
+            f"beam.sigma = {beam.sigma:.3g}: with beam.{beam.pattern} the beam must be at least "
             f"{radius / _NARROWEST:.3g} m wide, a {_NARROWEST:g}th of lens.radius"
         )
     if beam.profile_radius is not None and beam.profile_radius[-1] < radius:
         raise SceneError(
-            f"beam.profile_radius: ends at {beam.profile_radius[-1]:.3g} m; with a mask it must "
-            f"reach lens.radius = {radius:.3g} m"
+            f"beam.profile_radius: ends at {beam.profile_radius[-1]:.3g} m; with "
+            f"beam.{beam.pattern} it must reach lens.radius = {radius:.3g} m"
         )
+    if beam.mask is None:
+        return Sectors(beam.sectors or ())
     try:
         check_regular(Path(beam.mask))
         status = Path(beam.mask).stat()

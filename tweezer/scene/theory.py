@@ -141,7 +141,7 @@ def _beyond_rays(bead: Bead, lens: Lens, beams: Sequence[Beam]) -> Iterator[str]
             yield f"{name}.aberration"
         if beam.focus is not None:
             yield f"{name}.focus"
-        for key in ("amplitude_terms", "axicon", "annulus", "mask"):
+        for key in ("amplitude_terms", "axicon", "annulus", "sectors", "mask"):
             if getattr(beam, key):
                 yield f"{name}.{key}"
         if beam.shaped:

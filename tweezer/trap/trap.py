@@ -339,10 +339,10 @@ class Trap(Comparable, Result):
         )  # fmt: skip
 
     def _mask(self) -> Iterator[Row]:
-        """Yield the row of the mask of the only beam."""
+        """Yield the row of the mask or the sectors of the only beam."""
         from tweezer.optics.waves.terms import mask_light  # most scenes have no mask
 
-        if self.scene.beam.mask is not None and (found := mask_light(self.scene)):
+        if self.scene.beam.pattern is not None and (found := mask_light(self.scene)):
             yield found.row()
 
     def _efficiencies(self) -> Iterator[Row]:

@@ -26,7 +26,7 @@ FINER = 0.01
 
 _SOURCES = sources(
     "compiled.lanes", "generated.spline", "generated.waves", "optics.mask", "optics.polynomials",
-    "optics.shaped", "optics.zernike",
+    "optics.sectors", "optics.shaped", "optics.zernike",
     *(
         f"optics.waves.{name}"
         for name in (

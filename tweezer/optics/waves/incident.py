@@ -99,9 +99,9 @@ def by_direction(light: Waves, below: Array, phi: Array) -> ComplexArray:
     -------
     ndarray of complex, shape (states, 2, n, m)
     """
-    masked = light.pupil is not None and light.pupil.mask is not None
-    if masked or light.cone.inner > 0:
-        key = "mask" if masked else "annulus"
+    mask = None if light.pupil is None else light.pupil.mask
+    if mask is not None or light.cone.inner > 0:
+        key = "annulus" if mask is None else mask.key
         raise SceneError(f"beam.{key}: cannot be combined with a detector; remove one of them")
     along, across = light.focus.amplitudes(below)
     found = np.zeros((len(light.states), 2, len(below), len(phi)), np.complex128)

@@ -8,7 +8,8 @@ that comes from there. An aberration gives the light the factor
 An axicon adds the phase -a rho. The amplitude of a beam that is not round
 (`tweezer.optics.shaped`), or 1 + sum_nm a_nm Z_n^m, is another factor. A hologram is
 a third: the sum of a exp(i psi - i k s.r) over its foci at r. A mask of pixels is a fourth
-(`tweezer.optics.mask`); only its Zernike terms up to a degree reach the bead. T is divided by the
+(`tweezer.optics.mask`), and open sectors are a fifth (`tweezer.optics.sectors`); only their Zernike
+terms up to a degree reach the bead. T is divided by the
 root of its mean square, weighted by the power, so that it leaves the power unchanged; that of a
 mask includes the light beyond the degree. A harmonic q adds q to the
 angular momentum about the axis. Each is therefore a part of the light. t_q(rho) is rho^|q| times an
@@ -28,6 +29,7 @@ from numpy.typing import NDArray
 
 from tweezer.optics.beam import Cone
 from tweezer.optics.mask import Mask, harmonic_sum
+from tweezer.optics.sectors import Sectors
 from tweezer.optics.shaped import amplitude
 from tweezer.optics.zernike import gauss, radial_sums
 from tweezer.scene.sections import Beam
@@ -83,8 +85,8 @@ class Pupil:
     one focus. A mask contains their phase, if there are both"""
     size: float = 1.0
     """root mean square of T before it is divided by it"""
-    mask: Mask | None = None
-    """array of pixels; None if there is none"""
+    mask: Mask | Sectors | None = None
+    """array of pixels, or open sectors; None if there are none"""
     degree: int = 32
     """highest degree of the Zernike terms of the mask"""
     modulation: tuple[Zernike, ...] = ()

@@ -93,9 +93,11 @@ class NodesOfMask(Nodes):
         ])  # fmt: skip
         good = np.flatnonzero(bound < self.wanted)
         if not good.size:
+            assert self.focus.pupil is not None
+            assert self.focus.pupil.mask is not None
             raise SceneError(
-                f"beam.mask: more than {MOST_TERMS} orders of its light count so far from the "
-                "focus; choose a shorter simulation.loss_distance"
+                f"beam.{self.focus.pupil.mask.key}: more than {MOST_TERMS} orders of its light "
+                "count so far from the focus; choose a shorter simulation.loss_distance"
             )
         return int(good[0])
 
@@ -191,8 +193,10 @@ def _by_degree(focus: Focus, shift: float) -> Array:
 
 @dataclass(frozen=True)
 class MaskLight:
-    """Light of a mask that reaches a bead near the focus, as Zernike terms of the mask."""
+    """Light of a mask or sectors that reaches a bead near the focus, as Zernike terms of them."""
 
+    key: str
+    """mask or sectors"""
     degree: int
     """highest degree of the terms that count for a bead up to its radius from the focus"""
     share: float
@@ -204,16 +208,17 @@ class MaskLight:
         """Return the row of a table."""
         words = f"{100 * self.share:.3g} % of its light reaches the bead, in terms up to n = "
         return Row(
-            "mask", f"{words}{self.degree}; largest coefficient left out {self.left_out:.2g}"
+            self.key, f"{words}{self.degree}; largest coefficient left out {self.left_out:.2g}"
         )
 
 
 def mask_light(scene: Scene) -> MaskLight | None:
     """Return the part of the light of a scene's only beam that reaches the bead; None if all does.
 
-    A beam without a mask, and bodies that are not spheres, have none.
+    A beam without mask and sectors, and bodies that are not spheres, have none.
     """
-    if scene.more_beams or scene.beam.mask is None or scene.bead.shape != "sphere":
+    key = scene.beam.pattern
+    if scene.more_beams or key is None or scene.bead.shape != "sphere":
         return None
     light = waves_on_bead(scene)
     near, _ = nodes_of(light, _SMALL * scene.optics.tolerance, light.radius)
@@ -223,4 +228,4 @@ def mask_light(scene: Scene) -> MaskLight | None:
     n = np.arange(pupil.degree + _NEXT + 1)
     coefficients = np.abs(pupil.mask.terms(int(n[-1]))) / np.sqrt(n + 1.0)[:, None]
     left_out = float(coefficients[pupil.degree + 1 :].max())
-    return MaskLight(pupil.degree, pupil.share(near.cone), left_out)
+    return MaskLight(key, pupil.degree, pupil.share(near.cone), left_out)

@@ -243,16 +243,16 @@ class Beam(OfPupil, OfCoherent):
 
     @model_validator(mode="after")
     def _mask_of_even_phase(self) -> Self:
-        """Refuse a mask in light whose phase or polarisation turns around the axis."""
-        if self.mask is None and self.foci == "field":
+        """Refuse a mask or sectors in light whose phase or polarisation turns around the axis."""
+        if self.pattern is None and self.foci == "field":
             return self
+        what = "sectors" if self.sectors else "a mask"
         if self.vortex:
-            raise refusal(
-                f"vortex = {self.vortex}: cannot be combined with a mask; add the phase to the mask"
-            )
+            remedy = "remove one of them" if self.sectors else "add the phase to the mask"
+            raise refusal(f"vortex = {self.vortex}: cannot be combined with {what}; {remedy}")
         if self.polarisation in ("radial", "azimuthal", "cylindrical"):
             raise refusal(
-                f"polarisation = {self.polarisation!r}: cannot be combined with a mask; allowed: "
+                f"polarisation = {self.polarisation!r}: cannot be combined with {what}; allowed: "
                 "circular, linear, unpolarised"
             )
         return self

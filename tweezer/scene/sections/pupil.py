@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Annotated, Literal, NamedTuple, Self
 
 from pydantic import Field, StrictInt, model_validator
@@ -12,10 +14,14 @@ from tweezer.values.units import Angle, BeamSigma, PositiveLength, Quantity, ent
 
 #: Largest radial order of a Zernike term, and its largest amount, waves
 _MOST_ORDERS, _MOST_WAVES = 40, 5.0
+#: Difference of azimuths that is rounding, rad
+_SAME = 1e-12
 
 Place = Annotated[float, Quantity("m", -2e-5, 2e-5)]
 Offset = Annotated[float, Quantity("m", -1, 1)]
 Radius = Annotated[float, Quantity("m", 0, 1)]
+Azimuth = Annotated[float, Quantity("rad", -20, 20)]
+Sector = Annotated[tuple[Azimuth, Azimuth], entries(2)]
 Order = Annotated[StrictInt, Field(ge=0, le=20)]
 Term = Annotated[tuple[Annotated[float, Quantity("", -2000, 2000)], ...], entries(2, 3)]
 Terms = Annotated[tuple[Term, ...], entries(1, 500)]
@@ -114,6 +120,12 @@ class OfPupil(Section):
         description="inner and outer radius of the open part of the pupil; no light passes outside "
         "of it. Requires wave optics. Default: the whole pupil",
     )
+    sectors: Annotated[tuple[Sector, ...], entries(1, 100)] | None = Field(
+        None,
+        description="open sectors of the pupil, as a list of azimuths [from, to]; no light passes "
+        "outside of them. They are azimuths of the light behind the lens, from x to y, and `angle` "
+        "does not turn them. Requires wave optics. Default: the whole pupil",
+    )
 
     focus: Annotated[tuple[Spot, ...], entries(1, 100)] | None = Field(
         None, description="foci of a hologram in the pupil, whose fields add; a list of sections "
@@ -184,11 +196,16 @@ class OfPupil(Section):
     def even(self) -> bool:
         """Whether amplitude and phase are the same all around the pupil."""
         same = all(each.m == 0 for each in (*self.wavefront, *self.modulation_terms))
-        return same and not self.shaped and self.focus is None and self.mask is None
+        return same and not self.shaped and self.focus is None and self.pattern is None
+
+    @property
+    def pattern(self) -> str | None:
+        """Key of the pattern that the light passes in the pupil: mask or sectors; None without."""
+        return next((key for key in ("mask", "sectors") if getattr(self, key) is not None), None)
 
     @model_validator(mode="after")
     def _mask_alone(self) -> Self:
-        """Refuse keys of a mask without one, and a mask with several foci."""
+        """Refuse keys of a mask without one, and a mask or sectors with several foci."""
         keys = [
             key for key in ("mask_kind", "mask_extent", "mask_levels", "mask_flip", "mask_angle")
             if getattr(self, key) != type(self).model_fields[key].default
@@ -199,11 +216,33 @@ class OfPupil(Section):
             raise refusal("foci: requires focus; remove it, or give the foci of a hologram")
         if self.foci == "phase" and (self.annulus is not None or self.axicon):
             raise refusal("foci = 'phase': cannot be combined with annulus or axicon; remove them")
-        for key in ("focus", "annulus"):
-            if self.mask is not None and getattr(self, key) is not None:
-                raise refusal(f"mask: cannot be combined with {key}; remove one of them")
+        for key in ("sectors", "focus", "annulus"):
+            if self.pattern not in (None, key) and getattr(self, key) is not None:
+                raise refusal(f"{self.pattern}: cannot be combined with {key}; remove one of them")
         if self.mask is not None and self.axicon:
             raise refusal("mask: cannot be combined with axicon; add the phase to the mask")
+        if self.sectors is not None and self.axicon:
+            raise refusal("sectors: cannot be combined with axicon; remove one of them")
+        return self
+
+    @model_validator(mode="after")
+    def _sectors_apart(self) -> Self:
+        """Refuse sectors that are empty, wider than a turn, or overlap."""
+        turn = 2 * math.pi
+        for i, (begin, end) in enumerate(self.sectors or ()):
+            if not 0 < end - begin <= turn + _SAME:
+                raise refusal(
+                    f"sectors.{i} = [{begin:.6g}, {end:.6g}] rad: the second azimuth must be "
+                    "larger than the first, by at most 2 pi (360 deg)"
+                )
+        found = sorted((begin % turn, end - begin) for begin, end in self.sectors or ())
+        once_more = [(begin + turn, width) for begin, width in found[:1]]
+        for (begin, width), (after, _) in pairwise(found + once_more):
+            if begin + width > after + _SAME:
+                raise refusal(
+                    f"sectors: those from {begin:.6g} rad and from {after % turn:.6g} rad overlap; "
+                    "join them"
+                )
         return self
 
     @model_validator(mode="after")
