@@ -168,3 +168,9 @@ def test_rays_refuse_the_keys(key):
     value = {"annulus": [0, 1e-3], "axicon": 1.0, "amplitude_terms": [[2, 0, 0.1]]}[key]
     with pytest.raises(SceneError, match=rf"beam\.{key} requires wave optics"):
         with_beam(**{key: value}).replace(optics={"theory": "rays"})
+
+
+@pytest.mark.parametrize("terms", [[[0, 0, -1]], [[0, 0, -0.5], [0, 0, -0.5]], [[0, 0, -1 + 1e-9]]])
+def test_amplitude_terms_that_leave_no_light_are_refused(terms):
+    with pytest.raises(SceneError, match=r"beam\.amplitude_terms: no light passes"):
+        tweezer.optical_force(with_beam(amplitude_terms=terms), PLACES[:1])

@@ -41,6 +41,8 @@ ComplexArray = NDArray[np.complex128]
 
 #: Harmonics below this part of the light's amplitude are left out
 _NONE = 1e-13
+#: Amplitude of terms below which the light is rounding
+_DARK = 1e-6
 #: Search for foci: steps to each side, their length over 1/(k sin(theta)), rings over the pupil,
 #: smallest intensity over the highest, largest number of foci
 _ASIDE, _APART, _RINGS, _BRIGHT, _MOST_FOCI = 24, 0.5, 32, 0.3, 8
@@ -95,7 +97,17 @@ class Pupil:
     """phase of an axicon at the rim, rad"""
 
     def normalised(self, cone: Cone) -> Pupil:
-        """Return this pupil with a factor that leaves the power of a cone of light unchanged."""
+        """Return this pupil with a factor that leaves the power of a cone of light unchanged.
+
+        Raises `SceneError` for terms of the amplitude that leave no light.
+        """
+        phi = 2 * math.pi * np.arange(_FEWEST_AZIMUTHS) / _FEWEST_AZIMUTHS
+        amplitude = 1 + _zernike_sum(self.modulation, np.linspace(0.0, 1.0, _RADII), phi)
+        if np.abs(amplitude).max() < _DARK:
+            raise SceneError(
+                "beam.amplitude_terms: no light passes, because 1 + sum of a Z is 0 in the whole "
+                "pupil; change the amounts"
+            )
         smooth = self.without_mask
 
         def intensity(rho: Array, phi: Array) -> Array:
