@@ -161,7 +161,10 @@ def _array(path: Path) -> Any:
             if suffix == ".npz":
                 found = _only(found)
     except (OSError, ValueError, EOFError, SyntaxError, zipfile.BadZipFile) as error:
-        raise SceneError(f"cannot be read as {suffix}: {str(error).splitlines()[0]}") from None
+        why = str(error).splitlines()[0]
+        if "pickle" in why:  # of the objects that NumPy would read instead
+            why = "contains no array of numbers"
+        raise SceneError(f"cannot be read as {suffix}: {why}") from None
     if not isinstance(found, np.ndarray):
         raise SceneError(f"must be an array, as {suffix} files contain")
     return found

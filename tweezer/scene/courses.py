@@ -246,7 +246,7 @@ def _with_tables_of(name: str, beam: Any, folder: Path) -> Any:
     if not isinstance(beam, Mapping):
         return beam
     beam = dict(beam)
-    if isinstance(beam.get("mask"), str):
+    if isinstance(beam.get("mask"), str) and beam["mask"]:
         beam["mask"] = str((folder / beam["mask"]).absolute())
     for section, (key, columns) in _COLUMNS.items():
         course = beam.get(section)

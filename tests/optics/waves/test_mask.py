@@ -335,6 +335,7 @@ BAD_KEYS = {
     "mask_flip": {"mask_flip": "z"},
     "mask_extent": {"mask_extent": -1e-3},
     "beam.mask = 3": {"mask": 3},
+    "mask = '': must name a file": {"mask": ""},
     "foci: requires focus": {"mask": None, "foci": "phase"},
 }
 
@@ -362,8 +363,12 @@ BAD_FILES = {
     "ending": ("a.tiff", b"II*", {}, r"must be a file \.npy"),
     "empty": ("a.npy", b"", {}, "cannot be read as .npy"),
     "damaged": ("a.npy", b"\x93NUMPY\x01", {}, "cannot be read as .npy"),
-    "no array": ("a.npy", b"text" * 20, {}, "cannot be read as .npy"),
-    "objects": ("a.npy", np.array([[1, "a"], [2, None]], object), {}, "cannot be read as .npy"),
+    "no array": ("a.npy", b"text" * 20, {}, "read as .npy: contains no array of numbers$"),
+    "objects": ("a.npy", np.array([[1, "a"], [2, None]], object), {},
+                "cannot be read as .npy: contains no array of numbers$"),
+    "text as npz": ("a.npz", b"text" * 20, {}, "read as .npz: contains no array of numbers$"),
+    "objects in npz": ("a.npz", {"a": np.array([[1, "a"], [2, None]], object)}, {},
+                       "cannot be read as .npz: contains no array of numbers$"),
     "no image": ("a.png", b"PNG" * 20, {}, "cannot be read as .png"),
     "no archive": ("a.npz", b"PK" * 20, {}, "cannot be read as .npz"),
     "npy as npz": ("b.npz", "npy", {}, "one array"),

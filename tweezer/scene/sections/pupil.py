@@ -210,6 +210,8 @@ class OfPupil(Section):
             key for key in ("mask_kind", "mask_extent", "mask_levels", "mask_flip", "mask_angle")
             if getattr(self, key) != type(self).model_fields[key].default
         ]  # fmt: skip
+        if self.mask == "":
+            raise refusal("mask = '': must name a file .npy, .npz or .png")
         if self.mask is None and keys:
             raise refusal(f"{keys[0]}: requires a mask; remove it, or set mask to a file")
         if self.foci == "phase" and self.focus is None:
