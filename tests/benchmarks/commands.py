@@ -97,6 +97,7 @@ COMMANDS = (
         ("falling.nc",),
     ),
     Command(("rotation", "rod.nc"), ("rod.nc",)),
+    Command(("detect", "silica-1um", "--set", "detector.numerical_aperture=0.9")),
     Command(("tune", "thesis-990nm")),
     Command(("reproduce", "5.1")),
     Command(("cache",)),
