@@ -439,3 +439,7 @@ def test_no_map_of_the_dark_or_of_linear_light(scene):
     )
     with pytest.raises(tweezer.SceneError, match="the same all around the axis"):
         force_map(linear)
+    dark = linear.replace(beam={"power": 0}, optics={"evaluator": "map"})
+    assert evaluators_of(dark) == "dark"
+    with pytest.raises(tweezer.SceneError, match="requires light, but the scene is dark"):
+        force_map(dark)

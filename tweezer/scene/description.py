@@ -107,7 +107,7 @@ class Description(Section):
 
     def allows(self, by: Evaluator) -> bool:
         """Return whether the light has the symmetry that an evaluator requires."""
-        linear = any(beam.polarisation == "linear" for beam in self.beams)
+        linear = self.lit and any(beam.polarisation == "linear" for beam in self.beams)
         return not (self.theory in by.symmetric and linear)
 
     @property
