@@ -734,3 +734,23 @@ def test_value_of_a_key_is_the_one_that_was_set(key, text, value):
     """A key may stand for twice another, and the section may have it as a property."""
     scene = with_settings(load_scene("silica-1um"), {key: text})
     assert value_at(scene, key) == pytest.approx(value)
+
+
+@pytest.mark.parametrize(
+    ("section", "described", "words"),
+    [
+        ("wall", {"position": -3e-6}, "at -3 um"),
+        ("wall", {"position": -6e-6, "opposite": 7e-6}, "at -6 um and 7 um"),
+        ("wall", {"position": -3e-6, "reflects": True}, "at -3 um, reflects with index 1.518"),
+        ("mirror", {"position": 3e-6}, "at 3 um, perfect"),
+        ("mirror", {"position": 3e-6, "refractive_index": 1.5}, "at 3 um, reflects with index 1.5"),
+        ("mirror", {"position": 3e-6, "refractive_index": "0.2+6j"},
+         "at 3 um, reflects with index 0.2+6j"),
+    ],
+)  # fmt: skip
+def test_card_shows_how_walls_and_mirrors_reflect(section, described, words):
+    scene = load_scene("silica-1um").model_dump(exclude_none=True)
+    (row,) = (
+        row for row in load_scene({**scene, section: described}).card().rows if row.name == section
+    )
+    assert row.value == words

@@ -17,6 +17,7 @@ from tweezer.scene.courses import Section, with_tables
 from tweezer.scene.description import Description
 from tweezer.scene.files import read_scene, shipped_scenes
 from tweezer.scene.filling import filled_in
+from tweezer.scene.interference import planes
 from tweezer.scene.keys import HALVES, NUMBERED, by_key, changed_section, kind_of
 from tweezer.scene.messages import as_toml, counted, doubts_of, in_short, lines_of, numbered
 from tweezer.scene.rules import check, warn_of_unused_aperture
@@ -74,12 +75,26 @@ class Scene(Description):
             Row("run", run),
         ]  # fmt: skip
         if self.wall is not None:
-            rows.insert(2, Row("wall", f"at {printed(self.wall.position, 'um')}"))
+            rows.insert(2, Row("wall", self._planes_in_words("wall")))
         if self.mirror is not None:
-            rows.insert(2, Row("mirror", f"at {printed(self.mirror.position, 'um')}"))
+            rows.insert(2, Row("mirror", self._planes_in_words("mirror")))
         if changes := self._changes_in_short():
             rows.append(Row("changed", changes))
         return Card("Scene", self.name, tuple(rows))
+
+    def _planes_in_words(self, key: str) -> str:
+        """Return the heights of walls, or of the mirror, and how they reflect light."""
+        reflecting = [each for each in planes(self) if each.key == key]
+        at = [each.position for each in reflecting]
+        if key == "wall" and self.wall is not None:
+            at = [position for position, _ in self.wall.planes]
+        heights = " and ".join(printed(each, "um") for each in at)
+        if not reflecting:
+            return f"at {heights}"
+        index = reflecting[0].refractive_index
+        if index is None:
+            return f"at {heights}, perfect"
+        return f"at {heights}, reflects with index {index if index.imag else index.real:.5g}"
 
     def _changes_in_short(self) -> str:
         """Return the differences from the shipped scene of this name; "" without any."""
