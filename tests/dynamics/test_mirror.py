@@ -5,6 +5,7 @@ import pytest
 
 import tweezer
 from tweezer import PhysicsWarning
+from tweezer.dynamics.events import Event
 from tweezer.values.errors import IntegrationError
 
 RADIUS = 0.15e-6
@@ -51,6 +52,13 @@ def test_thermal_run_and_ensemble_fail_at_the_mirror():
     with pytest.warns(PhysicsWarning, match="trajectory 0: the bead reached the mirror"):
         run = tweezer.simulate(thermal, seed=1)
     assert run.attrs["status"] == "failed"
+    height = run.position.sel(axis="z").values + 0.2e-6 - RADIUS
+    assert len(height) > 10
+    assert height.min() >= 0
+    on = tweezer.simulate(thermal.replace(mirror={"position": "-2 um"}), seed=1)
+    beyond = on.position.sel(axis="z").values + 0.2e-6 - RADIUS < 0
+    assert len(height) == beyond.argmax()
+    np.testing.assert_array_equal(run.position, on.position[: len(height)])
     with pytest.raises(IntegrationError, match="the bead reached the mirror"):
         tweezer.ensemble(thermal, 2, seed=1)
 
@@ -63,3 +71,18 @@ def test_plane_of_the_index_of_the_medium_reflects_nothing():
         tweezer.optical_force(SCENE.replace(mirror={"refractive_index": index}), places),
         tweezer.optical_force(tweezer.load_scene(alone), places), rtol=1e-7, atol=1e-20,
     )  # fmt: skip
+
+
+def test_camera_and_events_of_a_thermal_run_end_at_the_mirror():
+    thermal = FALLING.replace(forces={"brownian": True}, simulation={"samples": 2001})
+    camera = {"rate": "1 kHz", "exposure": "0.1 ms"}
+    filmed = tweezer.load_scene({**thermal.model_dump(exclude_none=True), "camera": camera})
+    with pytest.warns(PhysicsWarning, match="reached the mirror"):
+        run = tweezer.simulate(filmed, seed=1)
+    last = float(run.time[-1])
+    frame = float(run.frame_time[-1])
+    assert frame <= last < frame + 1e-3
+    above = Event("far", lambda time, state: state[:, 2] + 0.01e-6)
+    with pytest.warns(PhysicsWarning, match="reached the mirror"):
+        watched = tweezer.simulate(thermal, seed=1, events=[above])
+    np.testing.assert_array_equal(watched.time, run.time)

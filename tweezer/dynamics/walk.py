@@ -20,7 +20,7 @@ from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.camera import Exposure, Frames, at_short_times
 from tweezer.dynamics.continuing import Continued, End
 from tweezer.dynamics.layout import POSITION, ROTATION, TRANSLATION, Layout
-from tweezer.dynamics.mirror import AT_MIRROR, in_mirror
+from tweezer.dynamics.mirror import in_mirror
 from tweezer.dynamics.models import Motion
 from tweezer.dynamics.needs import Facts, is_diagonal, rates_of
 from tweezer.dynamics.problem import Problem, bound_once
@@ -416,10 +416,11 @@ class Walk:
                 f"{sample * plan.per_sample * plan.step:.6g} s: the step of {self.step:.3g} s is "
                 "too long"
             )
-        at = in_mirror(self.scene, out[..., POSITION][..., 2])
-        if at.any():
-            trajectory = trajectories[at.any(axis=1)][0]
-            raise IntegrationError(f"trajectory {trajectory}: {AT_MIRROR}")
+
+    def before_mirror(self, samples: Array) -> Integers:
+        """Return the numbers of samples (n, s, columns) before beads reach the mirror, (n,)."""
+        reached = in_mirror(self.scene, samples[..., POSITION][..., 2])
+        return np.where(reached.any(axis=1), reached.argmax(axis=1), reached.shape[1])
 
     def motion(self, samples: Array) -> Motion:
         """Return samples (n, len(columns)) as named quantities, with the angular velocity in the

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.dynamics.layout import POSITION, Layout
+from tweezer.dynamics.mirror import AT_MIRROR
 from tweezer.dynamics.walk import Walk, walk
 from tweezer.ensembles.job import SEEN, SIGNAL, Job, found_of, identity_of, plan_of
 from tweezer.ensembles.scheduler import PATIENCE, client_of
@@ -34,7 +35,7 @@ from tweezer.ensembles.store import (
 from tweezer.scene import Scene
 from tweezer.values.arrays import Array
 from tweezer.values.beside import telling
-from tweezer.values.errors import TweezerError
+from tweezer.values.errors import IntegrationError, TweezerError
 from tweezer.values.stores import checksum
 
 if TYPE_CHECKING:
@@ -328,6 +329,9 @@ def _advance(
             seen = bound.filmed(states, trajectories, at - 1, piece)
         else:
             bound.advance(states, trajectories, at - 1, piece)
+        reached = bound.before_mirror(piece) < piece.shape[1]
+        if reached.any():
+            raise IntegrationError(f"trajectory {trajectories[reached][0]}: {AT_MIRROR}")
         yield at, _in_the_body(bound, piece), seen
 
 

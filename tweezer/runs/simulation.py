@@ -34,6 +34,7 @@ from tweezer.dynamics.continuing import Continued, End, as_attribute, continued,
 from tweezer.dynamics.events import Occurrence
 from tweezer.dynamics.integrate import Integration
 from tweezer.dynamics.layout import POSITION, QUANTITIES
+from tweezer.dynamics.mirror import AT_MIRROR
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.dynamics.needs import WATCHED, check
 from tweezer.dynamics.timing import timed
@@ -322,7 +323,7 @@ class _Followed:
     def __post_init__(self) -> None:
         """Set the times of the samples, s, and the number of force calls per sample."""
         self.times = self.bound.times[self.first :]
-        self.end = self.state.copy()
+        self.end: Array | None = self.state.copy()  # None if the bead reached the mirror
         self.calls = self.bound.per_sample * self.bound.scheme.force_calls
 
     @classmethod
@@ -358,7 +359,13 @@ class _Followed:
                 with timed() as stepping:
                     self._step(last, watched=watched)
                 self.step_time += stepping["wall_time"]
-                self.reached, self.end = last, self.state.copy()
+                before = self.reached
+                front = int(self.bound.before_mirror(self.columns[:, before:last])[0])
+                self.reached, self.end = before + front, self.state.copy()
+                if self.reached < last:
+                    self.end = None
+                    self._keep_frames(before)
+                    raise IntegrationError(f"trajectory 0: {AT_MIRROR}")
                 if progress:
                     progress(float(times[last - 1]))
         except KeyboardInterrupt:
@@ -384,7 +391,14 @@ class _Followed:
             return
         ends, steps = self.bound.advance_by_steps(self.state, trajectory, at, piece)
         held = int(np.isfinite(steps[0, :, POSITION.start]).sum())  # until the bead was lost
+        held = min(held, int(self.bound.before_mirror(steps)[0]))
         self.watch.look(Line(ends[:held], steps[0, :held]))
+
+    def _keep_frames(self, before: int) -> None:
+        """Remove the camera frames after the last sample from those after `before` samples."""
+        first, last = (self.bound.frames(self.first + each - 1) for each in (before, self.reached))
+        if self.seen:
+            self.seen[-1] = self.seen[-1][: last - first]
 
     def cut(self) -> tuple[Array, Array]:
         """Return times (n,), s, and output (n, columns) of the run until an event that ended it."""
@@ -427,7 +441,7 @@ def _thermal_run(
     if run_of.status != "failed" and (fault := fault_at(bound.problem, times, motion)):
         run_of.status, run_of.message = "failed", fault
     end = None
-    if run_of.watch.last is None:
+    if run_of.watch.last is None and run_of.end is not None:
         end = bound.end(float(times[-1]), samples[-1], run_of.end[0])
     model, inertia = bound.scene.simulation.model, bound.scene.medium.inertia
     all_inertia = model == "full" and inertia == "memory" and bound.scene.wall is None
