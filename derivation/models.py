@@ -984,7 +984,7 @@ def _waves() -> Module:
                         sy.INDEX_BEHIND_FACE,
                     )
                 ),
-                waves.REFLECTED_AMPLITUDES,
+                waves.REFLECTED_BY_SNELL,
                 output_names=("p", "s"),
             ),
         ),

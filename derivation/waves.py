@@ -368,6 +368,24 @@ def _reflected_at_a_face() -> sp.Matrix:
 
 REFLECTED_AMPLITUDES = _reflected_at_a_face()
 
+
+def _by_snell() -> sp.Matrix:
+    """Return the reflected amplitudes with the factor n1^2 - n2^2, which nothing else cancels.
+
+    Snell's law n1^2 (1 - cos1^2) = n2^2 (1 - cos2^2) makes the numerator times the denominator a
+    multiple of this factor. Differences of terms with nearly equal indices would lose their digits.
+    """
+    found = []
+    for r in REFLECTED_AMPLITUDES:
+        above, below = sp.fraction(sp.together(r))
+        squared = sp.expand(above * below).subs(cos2**2, 1 - (n1 / n2) ** 2 * (1 - cos1**2))
+        found.append(sp.factor(squared) / below**2)
+    return sp.Matrix(found)
+
+
+#: The same for indices that may be nearly equal
+REFLECTED_BY_SNELL = _by_snell()
+
 HELICITY_OF_HARMONICS = Equation(
     "-", "s.J = l", r"\langle nm|s\cdot J|nm\rangle", sp.factor(HELICITY)
 )

@@ -1,7 +1,7 @@
 """The force of focused light on a sphere, exactly: what is summed over harmonics (n, m).
 
 Made by `python -m derivation` from derivation/waves.py; do not edit.
-SymPy 1.14.0. 396 operations, 16 temporaries.
+SymPy 1.14.0. 409 operations, 16 temporaries.
 
 Amplitudes p_nm = 2 pi i^m P_nm about the bead's centre: of one component (light of
 helicity +1, its own partner) or of two (electric and magnetic, each the other's
@@ -537,12 +537,12 @@ def reflect(cos1, cos2, n1, n2):
     n1: index before the plane face [1]
     n2: index behind the plane face [1]
     Returns p, s.
-    10 operations, 4 temporaries.
+    23 operations, 4 temporaries.
     """
-    x0 = cos1 * n2
-    x1 = cos2 * n1
-    x2 = cos1 * n1
-    x3 = cos2 * n2
-    p = (x0 - x1) / (x0 + x1)
-    s = (x2 - x3) / (x2 + x3)
+    x0 = n2 * n2
+    x1 = n1 * n1
+    x2 = cos1 * cos1
+    x3 = (n1 - n2) * (n1 + n2)
+    p = -x3 * (x0 * x2 + x1 * x2 - x1) / (x0 * ((cos1 * n2 + cos2 * n1) * (cos1 * n2 + cos2 * n1)))
+    s = x3 / ((cos1 * n1 + cos2 * n2) * (cos1 * n1 + cos2 * n2))
     return p, s

@@ -2,6 +2,7 @@
 
 import math
 
+import mpmath as mp
 import numpy as np
 import pytest
 import sympy as sp
@@ -57,6 +58,27 @@ def test_all_light_is_reflected_beyond_the_critical_angle():
     for r in (R_P, R_S):
         beyond = r.subs({**values, COS2: sp.I * q})
         assert sp.simplify(beyond * sp.conjugate(beyond) - 1) == 0
+
+
+def test_reflected_amplitudes_by_snell_are_those_of_fresnel():
+    """Their difference vanishes with cos2 from Snell's law."""
+    snell = sp.sqrt(1 - (N1 / N2) ** 2 * (1 - COS1**2))
+    for r, other in zip((R_P, R_S), waves.REFLECTED_BY_SNELL, strict=True):
+        assert sp.simplify((r - other).subs(COS2, snell)) == 0
+
+
+def test_emitted_reflection_keeps_its_digits_for_nearly_equal_indices():
+    from tweezer.generated import waves as emitted
+
+    n1, n2, cos1 = 1.0, 1.0 + 2.0**-30, 0.5
+    with mp.workdps(50):
+        cos2 = mp.sqrt(1 - (mp.mpf(n1) / n2) ** 2 * (1 - mp.mpf(cos1) ** 2))
+        expected = [
+            float((n2 * cos1 - n1 * cos2) / (n2 * cos1 + n1 * cos2)),
+            float((n1 * cos1 - n2 * cos2) / (n1 * cos1 + n2 * cos2)),
+        ]
+    found = emitted.reflect.py_func(cos1, float(cos2), n1, n2)
+    assert found == pytest.approx(expected, rel=1e-14, abs=0.0)
 
 
 def test_emitted_reflection_is_the_derived_one():

@@ -73,6 +73,16 @@ def test_plane_of_the_index_of_the_medium_reflects_nothing():
     )  # fmt: skip
 
 
+def test_plane_of_nearly_the_index_of_the_medium_has_the_usual_error():
+    places = np.array([[1e-7, 5e-8, 2e-7], [0, 0, -1e-7]])
+    near, usual = (
+        SCENE.replace(mirror={"refractive_index": SCENE.medium.refractive_index + step})
+        for step in (1e-8, 1e-2)
+    )
+    stated = tweezer.optical_force_error(near, places)
+    np.testing.assert_allclose(stated, tweezer.optical_force_error(usual, places), rtol=0.1)
+
+
 def test_camera_and_events_of_a_thermal_run_end_at_the_mirror():
     thermal = FALLING.replace(forces={"brownian": True}, simulation={"samples": 2001})
     camera = {"rate": "1 kHz", "exposure": "0.1 ms"}
