@@ -170,7 +170,12 @@ def with_thermal_motion(scene: str | Scene, settings: dict[str, str]) -> Scene:
     thermal = scene_with(scene, {"forces.brownian": "true"} | settings)
     if thermal.bead.shape == "sphere" and thermal.optics.evaluator == "auto":
         with contextlib.suppress(SceneError):
-            return thermal.replace(optics={"evaluator": "map"})
+            mapped = thermal.replace(optics={"evaluator": "map"})
+            if mapped.theory == "waves" and not mapped.plain:
+                from tweezer.optics.binding import check_maps  # most light has a small map
+
+                check_maps(mapped)
+            return mapped
     return thermal
 
 

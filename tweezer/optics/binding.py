@@ -327,6 +327,19 @@ def force_map(scene: Scene, progress: Progress | None = None) -> Table:
     return made
 
 
+def check_maps(scene: Scene) -> None:
+    """Raise `SceneError` if the light of a lit scene needs a box that is too large for a map."""
+    from tweezer.optics.waves import by_map, coherent_map
+    from tweezer.optics.waves.coherent import by_interference
+
+    for group in groups(scene):
+        if not separately(scene, group):
+            if paths := paths_of_light(scene, group):
+                coherent_map.check_map(scene, by_interference(scene, paths))
+        elif (alone := scene.with_one_beam(group[0])).lit:
+            by_map.check_map(alone)
+
+
 def evaluators_of(scene: Scene) -> str:
     """Return the names of the evaluators of the scene's beams; "dark" for a beam without light."""
     name = evaluator(scene.optics.evaluator).name

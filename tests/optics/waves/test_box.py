@@ -20,7 +20,7 @@ from tweezer.optics import force_map, light_force
 from tweezer.optics.beyond import unreached
 from tweezer.optics.table import _load, _save
 from tweezer.optics.waves import box
-from tweezer.optics.waves.box import Spline, _fit, _remainder, build, read_alone
+from tweezer.optics.waves.box import Region, Spline, _fit, _remainder, build, read_alone
 from tweezer.optics.waves.lattice import Lattice
 
 BAND = np.array([1.8, 1.8, 0.6])
@@ -56,7 +56,7 @@ class Field:
 
 
 def of_field(field, tolerance=1e-7, **how):
-    about = {"band": BAND, "low": LOW, "high": HIGH, "reach": 5.0, "moment": False} | how
+    about = {"region": Region(BAND, LOW, HIGH), "reach": 5.0, "moment": False} | how
     return build(field, tolerance=tolerance, **about)
 
 
@@ -264,6 +264,25 @@ def test_map_about_distant_foci_is_refused_in_one_line():
     with pytest.raises(SceneError, match=r"optics\.table_range: .* are too many") as refusal:
         force_map(scene)
     assert "\n" not in str(refusal.value)
+    automatic = scene.replace(optics={"evaluator": "auto"})
+    assert with_thermal_motion(automatic, {}).optics.evaluator == "auto"
+    with pytest.raises(SceneError, match="are too many"):  # as asked for
+        light_force(with_thermal_motion(scene, {}))
+
+
+def test_thermal_motion_between_distant_coherent_foci_is_without_a_map():
+    """Two beams 30 um apart across, and the same beams 1 um apart."""
+    evaluators = []
+    for apart in (15e-6, 0.5e-6):
+        described = EVEN.model_dump(exclude_none=True)
+        described.pop("more_beams")
+        beams = [
+            {**described["beam"], "coherent": "a", "position": [sign * apart, sign * apart, 0]}
+            for sign in (-1, 1)
+        ]
+        scene = tweezer.load_scene({**described, "beam": beams})
+        evaluators.append(with_thermal_motion(scene, {"optics.table_range": "2 um"}))
+    assert [each.optics.evaluator for each in evaluators] == ["auto", "map"]
 
 
 # --- what uses the force --------------------------------------------------------------------------

@@ -121,6 +121,42 @@ class Spline:
         return packed(shape, _WEIGHTS, self.coefficients.ravel(), beyond)
 
 
+class Region(NamedTuple):
+    """Box about the foci of light, in which a force is tabulated. Lengths are in 1/k."""
+
+    band: Array
+    """(3,) largest wave numbers of the force along x, y and z, in k"""
+    low: Array
+    """(3,) corner with the lowest coordinates"""
+    high: Array
+    """(3,) corner with the highest coordinates"""
+
+    @property
+    def farthest(self) -> float:
+        """Bound on the distance of the box from the origin."""
+        return float(np.linalg.norm(np.maximum(-self.low, self.high)))
+
+    def intervals(self, tolerance: float, *, moment: bool) -> list[int]:
+        """Return the numbers of intervals between knots along the axes with which a fit begins.
+
+        Raises `SceneError` for a box that takes too many coefficients.
+
+        Parameters
+        ----------
+        tolerance : float
+            Error of the force, as a fraction of the largest force.
+        moment : bool
+            Whether to tabulate the torque too.
+        """
+        spacing = _SPACING * (tolerance / 1e-7) ** (1 / ORDER)
+        counts = [
+            max(1, math.ceil(2 * phase / spacing))
+            for phase in self.band * (self.high - self.low) / 2
+        ]
+        _not_too_many(counts, 6 if moment else 3)
+        return counts
+
+
 class _Fit(NamedTuple):
     """A spline along one axis as matrices that multiply samples at Chebyshev nodes."""
 
@@ -135,9 +171,7 @@ class _Fit(NamedTuple):
 def build(
     evaluate: Evaluate,
     *,
-    band: Array,
-    low: Array,
-    high: Array,
+    region: Region,
     reach: float,
     tolerance: float,
     moment: bool,
@@ -152,10 +186,8 @@ def build(
     ----------
     evaluate : callable
         Force at positions.
-    band : ndarray, shape (3,)
-        Largest wave numbers of the force along x, y and z, in k.
-    low, high : ndarray, shape (3,)
-        Corners of the box, 1/k.
+    region : Region
+        The box.
     reach : float
         Distance between the foci and the faces of the box, 1/k.
     tolerance : float
@@ -171,10 +203,9 @@ def build(
         For a box that takes too many coefficients.
     """
     began = time.perf_counter()
+    band, low, high = region
     half = (high - low) / 2
-    spacing = _SPACING * (tolerance / 1e-7) ** (1 / ORDER)
-    counts = [max(1, math.ceil(2 * phase / spacing)) for phase in band * half]
-    _not_too_many(counts, 6 if moment else 3)
+    counts = region.intervals(tolerance, moment=moment)
     phases = [float(each) for each in band * half]
     nodes = [_nodes(phase, _OF_SERIES * tolerance) for phase in phases]
     values, error = _sampled(evaluate, low + half, half, nodes, moment, progress)

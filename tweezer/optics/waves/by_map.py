@@ -114,11 +114,7 @@ def _made(
     `tolerance` is a part of the largest force, and `reach` the distance from the focus in 1/k.
     Light of several foci has a box about all of them. `progress` is called with the finished part.
     """
-    in_units = dataclasses.replace(
-        of_bead.of_radius(of_bead.size_parameter),
-        wavenumber=1.0,
-        momentum_per_energy=1 / of_bead.cone.power,
-    )
+    in_units = _in_units(of_bead)
     angle = in_units.focus.half_angle
     across, along = 2 * math.sin(angle), 2 * math.sin(angle / 2) ** 2
     if _twofold(in_units):
@@ -131,15 +127,37 @@ def _made(
             moment=in_units.absorbs,
             progress=progress,
         )
-    low, high = in_units.foci.min(axis=0) - reach, in_units.foci.max(axis=0) + reach
-    farthest = float(np.linalg.norm(np.maximum(-low, high)))
+    region = _region(in_units, reach)
     return box.build(
-        WavesByQuadrature(in_units, FINER * tolerance, farthest).field,
-        band=np.array([across, across, along]),
-        low=low,
-        high=high,
+        WavesByQuadrature(in_units, FINER * tolerance, region.farthest).field,
+        region=region,
         reach=reach,
         tolerance=tolerance,
         moment=in_units.absorbs,
         progress=progress,
     )
+
+
+def check_map(scene: Scene) -> None:
+    """Raise `SceneError` if the light of a scene needs a box that is too large for a map."""
+    of_bead = waves_on_bead(scene)
+    if not _twofold(of_bead):
+        region = _region(_in_units(of_bead), of_bead.wavenumber * scene.table_reach)
+        region.intervals(scene.optics.table_tolerance, moment=of_bead.absorbs)
+
+
+def _in_units(of_bead: Waves) -> Waves:
+    """Return light on a bead with lengths in 1/k and forces in n_m P/c."""
+    return dataclasses.replace(
+        of_bead.of_radius(of_bead.size_parameter),
+        wavenumber=1.0,
+        momentum_per_energy=1 / of_bead.cone.power,
+    )
+
+
+def _region(in_units: Waves, reach: float) -> box.Region:
+    """Return the box about all foci of light in units of `_in_units`, and `reach` beyond them."""
+    angle, foci = in_units.focus.half_angle, in_units.foci
+    across, along = 2 * math.sin(angle), 2 * math.sin(angle / 2) ** 2
+    band = np.array([across, across, along])
+    return box.Region(band, foci.min(axis=0) - reach, foci.max(axis=0) + reach)

@@ -23,12 +23,14 @@ from tweezer.optics.waves.coherent import ByInterference, Interference
 from tweezer.scene import Scene
 
 _SOURCES = sources(
-    "compiled.lanes", "generated.spline", "generated.waves", "optics.shaped",
+    "compiled.lanes", "generated.spline", "generated.waves", "optics.mask", "optics.sectors",
+    "optics.shaped", "optics.zernike",
     *(
         f"optics.waves.{name}"
         for name in (
             "amplitudes", "binding", "box", "by_map", "coherent", "coherent_map", "focus", "grid",
             "harmonics", "kernel", "light", "mirror", "nodes", "partial_waves", "pupil", "sphere",
+            "terms",
         )
     ),
 )  # fmt: skip
@@ -100,26 +102,42 @@ def _made(
     `progress` is called with the finished part. Light from both sides has wave numbers along z up
     to 2 k.
     """
-    light, k = force.light, force.light.wavenumber
-    paths = tuple(_in_units(path, k, light.power) for path in light.paths)
-    in_units = dataclasses.replace(
-        light, paths=paths, radius=k * light.radius, momentum_per_energy=1 / light.power
-    )
-    angle = max(path.light.focus.half_angle for path in paths)
-    ways = {path.down != (path.mirror is not None) for path in paths}
-    along = 2.0 if len(ways) > 1 else 2 * math.sin(angle / 2) ** 2
-    low, high = in_units.foci.min(axis=0) - reach, in_units.foci.max(axis=0) + reach
-    farthest = float(np.linalg.norm(np.maximum(-low, high)))
+    in_units = _light_in_units(force.light)
+    region = _region(in_units, reach)
     return box.build(
-        ByInterference(in_units, FINER * tolerance, farthest, 0.0).field,
-        band=np.array([2 * math.sin(angle), 2 * math.sin(angle), along]),
-        low=low,
-        high=high,
+        ByInterference(in_units, FINER * tolerance, region.farthest, 0.0).field,
+        region=region,
         reach=reach,
         tolerance=tolerance,
-        moment=light.absorbs,
+        moment=in_units.absorbs,
         progress=progress,
     )
+
+
+def check_map(scene: Scene, force: ByInterference) -> None:
+    """Raise `SceneError` if light that interferes needs a box that is too large for a map."""
+    light = force.light
+    region = _region(_light_in_units(light), light.wavenumber * scene.table_reach)
+    region.intervals(scene.optics.table_tolerance, moment=light.absorbs)
+
+
+def _light_in_units(light: Interference) -> Interference:
+    """Return light that interferes with lengths in 1/k and forces in n_m P/c."""
+    k = light.wavenumber
+    paths = tuple(_in_units(path, k, light.power) for path in light.paths)
+    return dataclasses.replace(
+        light, paths=paths, radius=k * light.radius, momentum_per_energy=1 / light.power
+    )
+
+
+def _region(in_units: Interference, reach: float) -> box.Region:
+    """Return the box about all foci of light in units of `_light_in_units`, and beyond them."""
+    angle = max(path.light.focus.half_angle for path in in_units.paths)
+    ways = {path.down != (path.mirror is not None) for path in in_units.paths}
+    along = 2.0 if len(ways) > 1 else 2 * math.sin(angle / 2) ** 2
+    band = np.array([2 * math.sin(angle), 2 * math.sin(angle), along])
+    foci = in_units.foci
+    return box.Region(band, foci.min(axis=0) - reach, foci.max(axis=0) + reach)
 
 
 def _in_units(path: Path, k: float, power: float) -> Path:
