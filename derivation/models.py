@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from . import bodies, ray, spline, water, waves
+from . import bodies, media, ray, spline, water, waves
 from . import body_motion as bm
 from . import drag as dg
 from . import euler_parameters as ep
@@ -1112,6 +1112,106 @@ def _water() -> Module:
     )
 
 
+def _media() -> Module:
+    temperature, of_water = sy.TEMPERATURE, (sy.WATER_DENSITY, sy.WATER_VISCOSITY)
+
+    def mixture(
+        name: str,
+        summary: str,
+        part: Quantity,
+        density: sp.Expr,
+        viscosity: sp.Expr,
+        intermediates: Named = (),
+    ) -> Function:
+        """Density and viscosity of a mixture from those of water at its temperature."""
+        return Function(
+            name,
+            summary,
+            _scalars((temperature, part, *of_water)),
+            sp.Matrix([density, viscosity]),
+            intermediates,
+            ("rho", "mu_m"),
+        )
+
+    return Module(
+        "media",
+        "Mixtures with water, gases, and the drag in a gas.",
+        "Cheng (2008) and Volk and Kaehler (2018) for glycerol, Kestin (1981) for salt water, "
+        "Lemmon\nand Jacobsen (2004) for gases, Beresnev, Chernyak and Fomyagin (1990) for the drag.",
+        (),
+        (),
+        (
+            mixture(
+                "glycerol",
+                "Density and viscosity of glycerol in water.",
+                sy.MASS_FRACTION,
+                media.GLYCEROL_DENSITY,
+                media.GLYCEROL_VISCOSITY,
+                (
+                    (sy.LOG_FRACTION, media.LOG_FRACTION),
+                    (sy.LOG_SINE, media.LOG_SINE),
+                ),
+            ),
+            mixture(
+                "salt_water",
+                "Density and viscosity of sodium chloride in water.",
+                sy.MOLALITY,
+                media.SALT_DENSITY,
+                media.SALT_VISCOSITY,
+            ),
+            mixture(
+                "sucrose",
+                "Density and viscosity of sucrose in water.",
+                sy.MASS_FRACTION,
+                media.SUCROSE_DENSITY,
+                media.SUCROSE_VISCOSITY,
+            ),
+            Function(
+                "refractive_index",
+                "Refractive index of a mixture; without water, w = 1 and n_w = rho_w = 1.",
+                _scalars(
+                    (sy.DENSITY, sy.MASS_FRACTION, sy.REFRACTION, sy.WATER_DENSITY, sy.WATER_INDEX)
+                ),
+                sp.Matrix([water.refractive_index]),
+                ((sy.LORENTZ_LORENZ, media.LORENTZ_LORENZ),),
+                ("n",),
+            ),
+            Function(
+                "gas_viscosity",
+                "Viscosity of a dilute gas.",
+                _scalars((temperature, sy.MOLAR_MASS, sy.COLLISION_DIAMETER, sy.WELL_DEPTH)),
+                sp.Matrix([media.gas_viscosity]),
+                ((sy.LOG_REDUCED, media.LOG_REDUCED),),
+                ("mu_m",),
+            ),
+            Function(
+                "power_viscosity",
+                "Viscosity of helium.",
+                _scalars((temperature, *sy.HELIUM)),
+                sp.Matrix([media.power_viscosity]),
+                ((sy.LOG_TEMPERATURE, water.LOG_TEMPERATURE),),
+                ("mu_m",),
+            ),
+            Function(
+                "gas",
+                "Density of an ideal gas, and its mean free path.",
+                _scalars((temperature, sy.PRESSURE, sy.MOLAR_MASS, sy.VISCOSITY)),
+                sp.Matrix([media.gas_density, media.mean_free_path]),
+                output_names=("rho", "mean_free_path"),
+            ),
+            Function(
+                "drag_factors",
+                "Drag and rotational drag of a sphere in a gas, over Stokes's.",
+                _scalars((sy.KNUDSEN, sy.ACCOMMODATION)),
+                sp.Matrix([media.drag_factor, media.rotational_factor]),
+                output_names=("translation", "rotation"),
+            ),
+        ),
+        ("media.py",),
+        jit_options=None,
+    )
+
+
 @functools.cache
 def catalogue() -> tuple[Module, ...]:
     """Every module of `generated/`, derived once in a program."""
@@ -1130,4 +1230,5 @@ def catalogue() -> tuple[Module, ...]:
         _bodies(),
         _spline(),
         _water(),
+        _media(),
     )

@@ -382,3 +382,27 @@ DENSITY = _quantity("rho", "kg/m^3", "density", positive=True)
 REFRACTIVE_INDEX = _quantity("n", "1", "refractive index", positive=True)
 LOG_TEMPERATURE = _quantity("log_T", "1", "ln(T/300 K)")
 LORENTZ_LORENZ = _quantity("X", "1", "(n^2 - 1)/(n^2 + 2)", positive=True)
+
+# --- other media ----------------------------------------------------------------------------------
+MOLAR_MASS = _quantity("M", "kg/mol", "mass of a mole of the gas", positive=True)
+PRESSURE = _quantity("p", "Pa", "pressure of the gas", positive=True)
+COLLISION_DIAMETER = _quantity("sigma", "m", "Lennard-Jones diameter", positive=True)
+WELL_DEPTH = _quantity("epsilon", "K", "Lennard-Jones energy over k", positive=True)
+HELIUM = (
+    _quantity("mu_0", "Pa s", "viscosity of the gas at 300 K", positive=True),
+    _quantity("exponent", "1", "power of its temperature there", positive=True),
+    _quantity("curvature", "1", "change of that power with ln T", positive=True),
+)
+KNUDSEN = _quantity("Kn", "1", "mean free path over the radius", positive=True)
+ACCOMMODATION = _quantity("a", "1", "accommodation coefficient", positive=True)
+MASS_FRACTION = _quantity("w", "1", "mass fraction of the solute", positive=True)
+MOLALITY = _quantity("b", "mol/kg", "solute per mass of water", positive=True)
+WATER_DENSITY = _quantity("rho_w", "kg/m^3", "density of water", positive=True)
+WATER_VISCOSITY = _quantity("mu_w", "Pa s", "viscosity of water", positive=True)
+WATER_INDEX = _quantity("n_w", "1", "refractive index of water", positive=True)
+REFRACTION = _quantity(
+    "refraction", "m^3/kg", "(n^2 - 1)/(n^2 + 2)/rho of the solute", positive=True
+)
+LOG_FRACTION = _quantity("log_w", "1", "ln of the mass fraction")
+LOG_SINE = _quantity("log_sine", "1", "ln sin(pi w^1.31)")
+LOG_REDUCED = _quantity("log_e", "1", "ln(T/epsilon)")

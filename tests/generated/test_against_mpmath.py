@@ -30,8 +30,11 @@ TOLERANCE = 1e-14
 #: they enter the derivative of the force beside dQ_sc, which is larger
 TOLERANCES = {"split_rates": 1e-12}
 
-#: arguments that are numbers of water, in SI
-RANGES = {"T": (273.15, 373.12), "rho": (950.0, 1000.0), "wavelength": (0.2e-6, 1.1e-6)}
+#: arguments that are numbers of water and its mixtures, in SI
+RANGES = {
+    "T": (273.15, 373.12), "rho": (950.0, 1000.0), "wavelength": (0.2e-6, 1.1e-6),
+    "refraction": (1e-4, 3e-4), "rho_w": (950.0, 1000.0), "n_w": (1.32, 1.34),
+}  # fmt: skip
 
 
 def emitted_module(name):

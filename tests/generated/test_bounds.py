@@ -12,8 +12,10 @@ from tweezer.compiled import cache_functions
 
 ROOT = Path(__file__).parents[2]
 TABLES = {"memory_poles", "wall"}
-#: arguments of water, in SI: any other number of theirs is no liquid
-SIZES = {"T": 300.0, "rho": 1000.0, "wavelength": 1e-6}
+#: arguments of water and of mixtures, in SI: any other number of theirs is no liquid
+SIZES = {
+    "T": 300.0, "rho": 1000.0, "wavelength": 1e-6, "refraction": 2e-4, "rho_w": 1000.0, "n_w": 1.33
+}  # fmt: skip
 #: all but the tables, which are of no equations of the catalogue
 MODULES = sorted({path.stem for path in (ROOT / "generated").glob("[!_]*.py")} - TABLES)
 
