@@ -11,8 +11,8 @@ from typing import Any
 from tweezer.scene.choices import SHAPES
 from tweezer.scene.courses import refusal
 from tweezer.scene.materials import Material, materials
+from tweezer.scene.media import MEDIA, SODIUM, Fluid, Properties
 from tweezer.scene.sections import FILLED, NAMED
-from tweezer.scene.water import LIQUID, Water, water
 from tweezer.values.units import TEMPERATURE, to_si
 
 #: Shapes of a bead that has no refractive index of its own
@@ -32,25 +32,53 @@ def filled_in(data: dict[str, Any]) -> dict[str, Any]:
     return _medium_by_name(data)
 
 
-def _of_water(data: Mapping[str, Any], medium: Mapping[str, Any], *, indexed: bool) -> Water:
-    """Return the properties of water for the data of a scene.
+def _of_fluid(
+    data: Mapping[str, Any], medium: Mapping[str, Any], fluid: Fluid, *, indexed: bool
+) -> Properties:
+    """Return the properties of a named medium for the data of a scene.
 
     The refractive index at the wavelength of the beams is included only if `indexed`. Invalid data
     gives placeholders, because the check of the keys reports the error later.
     """
+    unit = {"pressure": "Pa", "molality": "mol/kg"}.get(fluid.part, "")
     try:
         temperature = to_si(medium.get("temperature"), "K", *TEMPERATURE)
         wavelengths = _wavelengths(data)
+        part = to_si(medium[fluid.part], unit) if medium.get(fluid.part) is not None else None
     except (ValueError, AttributeError):
-        return Water(1000.0, 1e-3, 1.33)  # the check of the keys reports the error
-    try:
-        return water(temperature, *wavelengths[:1] if indexed else ())
-    except ValueError as error:
-        cold_or_hot = not LIQUID[0] <= temperature <= LIQUID[1]
-        key = "medium.temperature" if cold_or_hot else "beam.wavelength"
-        given = medium["temperature"] if cold_or_hot else wavelengths[0]
-        way_out = "" if cold_or_hot else "; give medium.refractive_index"
-        raise refusal(f"{key} = {given!r}: {error}{way_out}") from None
+        return Properties(1000.0, 1e-3, 1.33, 3e-10)  # the check of the keys reports the error
+    if fluid.part and part is None:
+        raise refusal(f"medium.{fluid.part}: missing; medium.name = {fluid.name!r} requires it")
+    _check_range("temperature", medium, temperature, fluid, fluid.temperatures, "K")
+    if part is not None:
+        _check_range(fluid.part, medium, part, fluid, fluid.parts, unit)
+    low, high = fluid.wavelengths
+    if indexed and not low <= wavelengths[0] <= high:
+        raise refusal(
+            f"beam.wavelength = {wavelengths[0]!r}: the index of {fluid.name} is known from "
+            f"{low:g} to {high:g} m; give medium.refractive_index"
+        )
+    return fluid.at(temperature, part or 0.0, wavelengths[0] if indexed else SODIUM)
+
+
+def _check_range(
+    key: str,
+    medium: Mapping[str, Any],
+    value: float,
+    fluid: Fluid,
+    allowed: tuple[float, float],
+    unit: str,
+) -> None:
+    """Refuse a value of a key of a named medium, in SI units, that is not in its range."""
+    low, high = allowed
+    if not low <= value <= high:
+        what = f"outside the known range of {fluid.name}"
+        if key == "temperature" and fluid.name == "water":
+            what = f"water is {'ice' if value < low else 'steam'} at {value:g} K"
+        raise refusal(
+            f"medium.{key} = {medium[key]!r}: {what}; must be from {low:g} to {high:g} "
+            f"{unit}".rstrip()
+        )
 
 
 def _wavelengths(data: Mapping[str, Any]) -> list[float]:
@@ -81,7 +109,7 @@ def _refuse_names_of_indices(data: Mapping[str, Any]) -> None:
         (f"{section}.{key} = {part[key]!r}", f"{section}.refractive_index")
         for section, part, key in named
         if isinstance(part, dict) and part.get("refractive_index") is None
-        if str(part.get(key)) in (*materials(), "water")
+        if str(part.get(key)) in (*materials(), *MEDIA)
     ]
     if given:
         names, indices = (" and ".join(each) for each in zip(*given, strict=True))
@@ -210,12 +238,13 @@ def _mean_density(layers: Sequence[Mapping[str, Any]]) -> float | None:
 def _medium_by_name(data: dict[str, Any]) -> dict[str, Any]:
     """Return the data of a scene with missing properties of a named medium filled in."""
     medium = data.get("medium")
-    if not isinstance(medium, dict) or medium.get("name") != "water":
+    if not isinstance(medium, dict) or (fluid := MEDIA.get(str(medium.get("name")))) is None:
         return data
-    missing = [key for key in NAMED["medium"][1] if medium.get(key) is None]
+    keys = (key for key in NAMED["medium"][1] if fluid.gas or key != "mean_free_path")
+    missing = [key for key in keys if medium.get(key) is None]
     if not missing:
         return data
-    found = _of_water(data, medium, indexed="refractive_index" in missing)
+    found = _of_fluid(data, medium, fluid, indexed="refractive_index" in missing)
     filled = {key: getattr(found, key) for key in missing}
     return {**data, "medium": {**medium, **filled, FILLED: missing}}
 

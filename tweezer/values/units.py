@@ -38,7 +38,8 @@ _NUMBER_AND_UNIT = re.compile(
 _NUMBER = re.compile(r"\s*[+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?\s*")
 _COMPLEX = re.compile(r"[0-9.eEj+ -]{1,100}")
 _NAME = (
-    r"(?:[fpnuµμmcdk]?(?:m|s|sec|W|g|Pa|P|K|N|l|L|rad)"
+    r"(?:[fpnuµμmcdk]?(?:m|s|sec|W|g|Pa|P|K|N|l|L|rad|mol|bar)"
+    r"|hPa|m?[Tt]orr|atm"
     r"|[zafpnm]?J|joules?|eV"
     r"|(?:femto|pico|nano|micro|milli|centi|kilo)?"
     r"(?:meter|metre|second|watt|gram|pascal|poise|kelvin|newton|liter|litre|radian)s?"
@@ -68,6 +69,8 @@ _USUAL = {
     "rad": ("rad", "deg"),
     "V": ("V", "mV", "uV"),
     "J": ("aJ", "zJ", "J"),
+    "Pa": ("mbar", "Pa", "bar"),
+    "mol/kg": ("mol/kg", "mmol/kg"),
 }
 
 
@@ -503,6 +506,8 @@ RadiiOrLength = Annotated[
 ]  # fmt: skip
 Length = Annotated[float, Quantity("m", -1, 1, usual=(0, 0.05))]
 PositiveLength = Annotated[float, Quantity("m", 1e-18, 1, usual=(0, 0.05))]
+#: Up to that of the molecules in ultrahigh vacuum
+FreePath = Annotated[float, Quantity("m", 1e-18, 1e12)]
 Wavelength = Annotated[float, Quantity("m", 1e-18, 1e-3, usual=(1e-8, 1e-4))]
 #: Any length up to 1 m, which means that the bead is never lost
 LossDistance = Annotated[float, Quantity("m", 1e-18, 1)]
@@ -516,7 +521,11 @@ BeamSigma = Annotated[float, Quantity("m", *BEAM_SIGMA, usual=(0, 0.05))]
 Time = Annotated[float, Quantity("s", 0, 1e6, usual=(0, 10))]
 PositiveTime = Annotated[float, Quantity("s", 1e-15, 1e6, usual=(0, 10))]
 Power = Annotated[float, Quantity("W", 0, 1e6, usual=(0, 10))]
+Pressure = Annotated[float, Quantity("Pa", 1e-10, 2e5)]
+Molality = Annotated[float, Quantity("mol/kg", 0, 6)]
 Density = Annotated[float, Quantity("kg/m^3", 1e-6, 1e6, usual=(100, 3e4))]
+#: Down to that of a gas in ultrahigh vacuum
+FluidDensity = Annotated[float, Quantity("kg/m^3", 1e-18, 1e6, usual=(100, 3e4))]
 Viscosity = Annotated[float, Quantity("Pa s", 1e-12, 1e9, usual=(0, 0.3))]
 Temperature = Annotated[float, Quantity("K", *TEMPERATURE)]
 Speed = Annotated[float, Quantity("m/s", -1e6, 1e6, usual=(0, 20))]

@@ -15,6 +15,7 @@ from pydantic import (
 
 from tweezer.scene.choices import SHAPES
 from tweezer.scene.courses import Section, refusal
+from tweezer.scene.media import GASES, parted_by
 from tweezer.values.units import to_si
 
 #: Pairs of keys for the same property, of which exactly one must be given
@@ -50,6 +51,10 @@ BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
         "jones": ("polarisation", ("linear",)),
         "order": ("polarisation", ("cylindrical",)),
     },
+    "medium": {
+        **{key: ("name", parted_by(key)) for key in ("fraction", "molality", "pressure")},
+        "accommodation": ("name", GASES),
+    },
     "start": {"ball_radius": ("drawn", ("ball",))},
 }
 #: Keys of a homogeneous bead, which are refused in addition to `layers`
@@ -57,7 +62,7 @@ WITHIN_LAYERS = ("radius", "diameter", "refractive_index", "material")
 #: Key that names the material of a section, and the keys that follow from the name
 NAMED: dict[str, tuple[str, tuple[str, ...]]] = {
     "bead": ("material", ("refractive_index", "density")),
-    "medium": ("name", ("refractive_index", "density", "viscosity")),
+    "medium": ("name", ("refractive_index", "density", "viscosity", "mean_free_path")),
 }
 #: Key under which a section lists the keys that the scene has filled in
 FILLED = "filled in"

@@ -8,10 +8,13 @@ from pydantic import Field, StrictInt, model_validator
 
 from tweezer.scene.choices import INERTIAS, told
 from tweezer.scene.courses import refusal
-from tweezer.scene.sections.alternatives import Filled
+from tweezer.scene.media import MEDIA
+from tweezer.scene.sections.alternatives import BELONGING, Filled
 from tweezer.values.units import (
-    Density,
-    PositiveLength,
+    FluidDensity,
+    FreePath,
+    Molality,
+    Pressure,
     RefractiveIndex,
     Temperature,
     Viscosity,
@@ -20,27 +23,41 @@ from tweezer.values.units import (
 
 if TYPE_CHECKING:
     InertiaName: TypeAlias = str
+    MediumName: TypeAlias = str
 else:
     InertiaName = Literal[tuple(INERTIAS)]
+    MediumName = Literal[tuple(MEDIA)]
 
 
 class Medium(Filled):
     """The fluid around the bead."""
 
-    name: Literal["water"] | None = Field(
+    name: MediumName | None = Field(
         None,
-        description="name of the fluid; water sets refractive index (at the wavelength of the "
+        description="name of the fluid, which sets refractive index (at the wavelength of the "
         "beam), density and viscosity at the temperature, unless the scene gives them",
     )
+    fraction: Annotated[float, Field(ge=0, le=1)] | None = Field(
+        None, description="mass fraction of glycerol or sucrose in the mixture with water"
+    )
+    molality: Molality | None = Field(
+        None, description="sodium chloride per mass of water in salt water"
+    )
+    pressure: Pressure | None = Field(None, description="pressure of the gas")
+    accommodation: Annotated[float, Field(ge=0.01, le=1)] | None = Field(
+        None, description="part of the molecules of a gas that leave the bead with its "
+        "temperature and no memory of their arrival. Default: 1",
+    )  # fmt: skip
     refractive_index: RefractiveIndex = Field(
         description="refractive index n_m; not needed with a `name`"
     )
-    density: Density = Field(description="density rho_m; not needed with a `name`")
+    density: FluidDensity = Field(description="density rho_m; not needed with a `name`")
     viscosity: Viscosity = Field(description="dynamic viscosity mu_m; not needed with a `name`")
     temperature: Temperature = Field(description="absolute temperature T")
-    mean_free_path: PositiveLength = Field(
-        3e-10, description="mean free path of the molecules, lambda_mfp (2.2.2)"
-    )
+    mean_free_path: FreePath = Field(
+        3e-10, description="mean free path of the molecules, lambda_mfp (2.2.2); that of a gas "
+        "follows from its `name`"
+    )  # fmt: skip
     inertia: InertiaName | None = Field(
         None,
         description=f"fluid inertia that acts on the bead; {told(INERTIAS.values())}. Default: "
@@ -51,6 +68,15 @@ class Medium(Filled):
         description="number of poles of the hydrodynamic memory. Default: determined by the "
         "duration and the tolerance",
     )
+
+    @model_validator(mode="after")
+    def _keys_of_its_name(self) -> Self:
+        """Refuse keys that do not apply to the name."""
+        for key, (_, names) in BELONGING["medium"].items():
+            if getattr(self, key) is not None and self.name not in names:
+                allowed = " or ".join(map(repr, names))
+                raise refusal(f"{key}: requires name = {allowed}; remove it")
+        return self
 
     @model_validator(mode="after")
     def _poles_of_a_memory(self) -> Self:
