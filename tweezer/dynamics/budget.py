@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from tweezer.dynamics.path import largest_distance
 from tweezer.dynamics.problem import Problem
 from tweezer.dynamics.solution import BEFORE
 from tweezer.fluid import left_out_of_walls, other_poles
+from tweezer.fluid.drag import Stokes
 from tweezer.scene.choices import METHODS
 from tweezer.values.arrays import Array
 
@@ -90,7 +92,8 @@ def model_error(equations: EquationsOfMotion, run: Integration, position: Array)
     """Return the largest distance to the unscaled equations with all inertia, m.
 
     These equations include fluid inertia and are integrated by the exponential method. A run with
-    the same equations has no model error; beside a wall it is the delay by the wall's drag. For a
+    the same equations has no model error; beside a wall it is the delay by the wall's drag. In a
+    gas that is no continuum, their drag is larger by what the inertia of the gas might add. For a
     body that this method cannot integrate the error is NaN. With the model `full` it is then the
     largest lag due to fluid inertia (`Scene.lag`). If the drag depends on the position, as beside a
     wall, the error is the sum of this lag and the distance to the unscaled equations. For a body
@@ -111,7 +114,7 @@ def model_error(equations: EquationsOfMotion, run: Integration, position: Array)
         return _without_wall(equations, run)
     without_scaling = unscaled(equations.problem)
     if equations.drag.uniform and equations.body is None and without_scaling is not None:
-        return _compared(without_scaling, run, position)[1]
+        return _compared(_in_thin_gas(without_scaling, equations, run), run, position)[1]
     off = 0.0 if full else _compared(without_scaling, run, position)[1]
     return off + _lag(equations, run) + _slowed_by_walls(equations, run)
 
@@ -207,6 +210,24 @@ def _lag(equations: EquationsOfMotion, run: Integration) -> float:
     return float((lags * np.linalg.norm(np.asarray(motion.velocity), axis=1)).max())
 
 
+def _in_thin_gas(problem: Problem, equations: EquationsOfMotion, run: Integration) -> Problem:
+    """Return a problem whose drag is larger by what the inertia of a gas might add at most.
+
+    For a gas that is no continuum this is the part sqrt(omega tau_f) of the drag. omega is the
+    larger one of the damping rate and of the largest speed over the largest excursion. Other
+    problems are returned unchanged.
+    """
+    if not problem.scene.rarefied:
+        return problem
+    motion = equations.motion(run.times, run.states)
+    excursion = np.linalg.norm(motion.position - motion.position.mean(axis=0), axis=1).max()
+    speed = np.linalg.norm(np.asarray(motion.velocity), axis=1).max()
+    omega = max(1 / problem.relaxation_time, speed / excursion if excursion > 0 else 0.0)
+    more = 1 + math.sqrt(omega * problem.vorticity_time)
+    heavier = Stokes(more * problem.bead.drag, more * problem.bead.rotational_drag)
+    return dataclasses.replace(problem, drag=heavier)
+
+
 def _slowed_by_walls(equations: EquationsOfMotion, run: Integration) -> float:
     """Return how much less a body that is no sphere would have moved with the drag of walls, m.
 
@@ -245,7 +266,8 @@ def unscaled(problem: Problem) -> Problem | None:
         return None
     if not full.drag.uniform or full.body is not None:
         return full
-    return decided(full.decided(medium={"inertia": "memory"}))[0]
+    inertia = "none" if full.scene.rarefied else "memory"
+    return decided(full.decided(medium={"inertia": inertia}))[0]
 
 
 def _compared(

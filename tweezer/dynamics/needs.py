@@ -372,6 +372,8 @@ class Forgotten(NamedTuple):
 
 #: For each motion, the first one counts
 MEMORY = (
+    Forgotten((DETERMINISTIC, THERMAL, LINEAR), lambda its: its.problem.scene.rarefied,
+              "the gas is no continuum for the bead"),
     Forgotten((DETERMINISTIC, LINEAR), lambda its: its.names_another_model, _WHERE_NAMED),
     Forgotten((DETERMINISTIC, LINEAR), lambda its: its.method is not None and not its.has("memory"),
               "the method {method} cannot follow it"),

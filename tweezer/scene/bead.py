@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 from tweezer.scene.load import SceneLike, checked_scene
+from tweezer.scene.media import GASES, drag_factors
 from tweezer.scene.scene import KNUDSEN_LIMIT, Scene
 from tweezer.scene.sphere import drag_of_rotation, drag_of_translation
 from tweezer.values.errors import SceneError
@@ -23,19 +25,20 @@ class BeadProperties(Shown):
     moments_of_inertia: tuple[float, float, float]
     """principal moments of inertia I11, I22, I33 (A.13), kg m^2"""
     drag: float
-    """Stokes drag coefficient beta_v (2.15) far from walls, kg/s; of a body that is no sphere, the
-    inverse of its mean mobility"""
+    """drag coefficient beta_v far from walls, kg/s: Stokes's (2.15), in a named gas times its
+    factor of slip; of a body that is no sphere, the inverse of its mean mobility"""
     rotational_drag: float
-    """rotational Stokes drag coefficient beta_w (2.15) far from walls, N m s; of a body that is no
-    sphere, the inverse of its mean mobility"""
+    """rotational drag coefficient beta_w (2.15) far from walls, N m s, likewise"""
     weight: tuple[float, float, float]
     """sum of gravity (2.11) and buoyancy (2.12), as far as the scene includes them, N"""
     knudsen: float
     """mean free path over diameter (2.2.2)"""
+    slip: float | None = None
+    """drag over Stokes's drag for a sphere in a named gas; None for other media"""
 
     def card(self) -> Card:
         """Return the card with mass, drag, weight and characteristic times."""
-        thin = self.knudsen > KNUDSEN_LIMIT
+        thin = self.knudsen > KNUDSEN_LIMIT and self.slip is None
         doubt = "not to be trusted: the medium is no continuum for this bead" if thin else ""
         rows = (
             Row("mass", printed(self.mass, "pg")),
@@ -60,10 +63,10 @@ class BeadProperties(Shown):
     def vorticity_time(self) -> float:
         """Time tau_f = r^2 rho_m/mu_m, s, in which vorticity diffuses over a bead radius r.
 
-        rho_m and mu_m are the density and viscosity of the medium. With displaced mass m_f and drag
-        beta_v it is 4.5 m_f/beta_v.
+        rho_m and mu_m are the density and viscosity of the medium. With displaced mass m_f and
+        Stokes's drag it is 4.5 m_f/beta_v.
         """
-        return 4.5 * self.displaced_mass / self.drag
+        return 4.5 * self.displaced_mass / self.drag * (self.slip or 1.0)
 
 
 def bead_properties(scene: SceneLike) -> BeadProperties:
@@ -96,9 +99,24 @@ def bead_properties(scene: SceneLike) -> BeadProperties:
             f"bead.shape = {scene.bead.shape!r}: has no single drag coefficient; allowed: "
             "'sphere'. tweezer.resistance gives the drag of any body"
         )
-    viscosity, r = scene.medium.viscosity, scene.bead.radius
-    return properties_with_drag(
-        scene, drag_of_translation(viscosity, r), drag_of_rotation(viscosity, r)
+    drag, rotational = drags_of_sphere(scene)
+    found = properties_with_drag(scene, drag, rotational)
+    if scene.medium.name not in GASES:
+        return found
+    stokes = drag_of_translation(scene.medium.viscosity, scene.bead.radius)
+    return dataclasses.replace(found, slip=drag / stokes)
+
+
+def drags_of_sphere(scene: Scene) -> tuple[float, float]:
+    """Return drag beta_v, kg/s, and rotational drag beta_w, N m s, of the sphere of a scene.
+
+    They are Stokes's (2.15), in a named gas times the factors of its Knudsen number.
+    """
+    medium, r = scene.medium, scene.bead.radius
+    along, about = drag_factors(medium.name, scene.knudsen, medium.accommodation)
+    return (
+        along * drag_of_translation(medium.viscosity, r),
+        about * drag_of_rotation(medium.viscosity, r),
     )
 
 

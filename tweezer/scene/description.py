@@ -10,6 +10,7 @@ from pydantic import Field
 from tweezer.scene.body import Body
 from tweezer.scene.choices import Evaluator
 from tweezer.scene.courses import NAME, Section
+from tweezer.scene.media import CONTINUUM, GASES
 from tweezer.scene.sections import (
     Bead,
     Beam,
@@ -125,6 +126,16 @@ class Description(Section):
         rho_m and mu_m are the density and viscosity of the medium.
         """
         return self.body.size**2 * self.medium.density / self.medium.viscosity
+
+    @property
+    def knudsen(self) -> float:
+        """Mean free path of the molecules over the radius of the bead."""
+        return self.medium.mean_free_path / self.body.size
+
+    @property
+    def rarefied(self) -> bool:
+        """Whether the medium is a gas whose inertia about the bead is not that of a continuum."""
+        return self.medium.name in GASES and self.knudsen > CONTINUUM
 
     @property
     def lag(self) -> float:

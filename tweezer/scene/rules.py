@@ -8,6 +8,7 @@ from tweezer.scene.choices import EVALUATORS, METHODS, MODELS, methods
 from tweezer.scene.courses import refusal
 from tweezer.scene.description import FREE, Description
 from tweezer.scene.interference import check_interference
+from tweezer.scene.media import CONTINUUM
 from tweezer.scene.messages import either
 from tweezer.scene.sections import Beam
 from tweezer.scene.theory import NO_MAP, named_beams
@@ -250,6 +251,11 @@ def _inertia_of_the_fluid(scene: Description) -> None:
     if inertia in (None, "none"):
         return
     said = f"medium.inertia = {inertia!r}"
+    if scene.rarefied:
+        raise refusal(
+            f"{said}: the mean free path in the gas is {scene.knudsen:.2g} of the radius; above "
+            f"{CONTINUUM:g} its inertia is not that of a continuum; set medium.inertia to none"
+        )
     if model and not MODELS[model].inertia:
         having = either([each.name for each in MODELS.values() if each.inertia])
         past = ""

@@ -19,6 +19,7 @@ from tweezer.scene.files import read_scene, shipped_scenes
 from tweezer.scene.filling import filled_in
 from tweezer.scene.interference import planes
 from tweezer.scene.keys import HALVES, NUMBERED, by_key, changed_section, kind_of
+from tweezer.scene.media import GASES
 from tweezer.scene.messages import as_toml, counted, doubts_of, in_short, lines_of, numbered
 from tweezer.scene.rules import check, warn_of_unused_aperture
 from tweezer.scene.sections import Beam
@@ -330,7 +331,8 @@ def validated(data: dict[str, Any], given: Mapping[str, Any]) -> Scene:
             shown.append(f"and {more} more")
         raise SceneError("\n".join(shown)) from None
     knudsen = scene.medium.mean_free_path / (2 * scene.body.size)
-    if knudsen > KNUDSEN_LIMIT:
+    known = scene.medium.name in GASES and scene.bead.shape == "sphere" and scene.wall is None
+    if knudsen > KNUDSEN_LIMIT and not known:
         warn(
             f"Knudsen number {knudsen:.2g} is above {KNUDSEN_LIMIT:g}: the medium is not a "
             "continuum for this bead, and Stokes's drag (2.13) is too large"

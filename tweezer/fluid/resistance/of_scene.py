@@ -5,9 +5,12 @@ from __future__ import annotations
 import functools
 from typing import Any
 
+import numpy as np
+
 from tweezer.fluid.resistance.resistance import Resistance
 from tweezer.scene import SceneLike, checked_scene
 from tweezer.scene.choices import SHAPES, at
+from tweezer.scene.media import drag_factors
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
 from tweezer.values.vectors import fixed
@@ -42,6 +45,10 @@ def resistance(scene: SceneLike) -> Resistance:
     """
     scene = checked_scene(scene)
     matrix, error, method = _kept(scene.bead, scene.medium.viscosity)
+    if scene.bead.shape == "sphere":
+        medium = scene.medium
+        factors = drag_factors(medium.name, scene.knudsen, medium.accommodation)
+        matrix = matrix * np.repeat(factors, 3)
     return Resistance(fixed(matrix), scene.medium.temperature, error, method)
 
 
