@@ -213,9 +213,9 @@ def _lag(equations: EquationsOfMotion, run: Integration) -> float:
 def _in_thin_gas(problem: Problem, equations: EquationsOfMotion, run: Integration) -> Problem:
     """Return a problem whose drag is larger by what the inertia of a gas might add at most.
 
-    For a gas that is no continuum this is the part sqrt(omega tau_f) of the drag. omega is the
-    larger one of the damping rate and of the largest speed over the largest excursion. Other
-    problems are returned unchanged.
+    For a gas that is no continuum this is the part sqrt(omega tau_f) of the drag. The frequency
+    omega is the damping rate, or the largest speed over the largest excursion if it is larger.
+    Other problems are returned unchanged.
     """
     if not problem.scene.rarefied:
         return problem

@@ -134,7 +134,7 @@ class Description(Section):
 
     @property
     def rarefied(self) -> bool:
-        """Whether the medium is a gas whose inertia about the bead is not that of a continuum."""
+        """Whether the medium is a named gas that is no continuum for the inertia about the bead."""
         return self.medium.name in GASES and self.knudsen > CONTINUUM
 
     @property

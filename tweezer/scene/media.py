@@ -19,7 +19,7 @@ SODIUM = 0.5893e-6
 _SEEN, _SEEN_IN_GAS = (0.4e-6, 1.1e-6), (0.3e-6, 1.7e-6)
 #: Range of pressures of a gas, Pa
 PRESSURES = 1e-10, 2e5
-#: Largest Knudsen number, by the radius, for which the inertia of a gas is that of a continuum
+#: Largest Knudsen number, by the radius, for which a gas has the inertia of a continuum
 CONTINUUM = 0.01
 
 
@@ -198,7 +198,7 @@ def _polynomial(coefficients: Sequence[float], x: float) -> float:
     return total
 
 
-#: Named media. The uncertainties are those of the sources, with the deviation of the form from them
+#: Named media. Errors include the uncertainty of the sources and the deviation from them
 MEDIA: dict[str, Fluid] = {
     each.name: each
     for each in (
@@ -278,7 +278,7 @@ def parted_by(key: str) -> tuple[str, ...]:
 def drag_factors(
     name: str | None, knudsen: float, accommodation: float | None
 ) -> tuple[float, float]:
-    """Return drag and rotational drag of a sphere over Stokes's: 1 and 1 but for a named gas.
+    """Return drag and rotational drag of a sphere over Stokes's; both are 1 unless in a named gas.
 
     Parameters
     ----------
