@@ -1137,7 +1137,8 @@ def _media() -> Module:
         "media",
         "Mixtures with water, gases, and the drag in a gas.",
         "Cheng (2008) and Volk and Kaehler (2018) for glycerol, Kestin (1981) for salt water, "
-        "Lemmon\nand Jacobsen (2004) for gases, Beresnev, Chernyak and Fomyagin (1990) for the drag.",
+        "Lemmon\nand Jacobsen (2004) for gases, Beresnev, Chernyak and Fomyagin (1990) for the "
+        "drag.",
         (),
         (),
         (
