@@ -46,6 +46,7 @@ COMMANDS = (
     "tweezer trap silica-1um --plot trap.png --out trap.json",
     "tweezer trap mine.toml",
     "tweezer detect silica-1um --set detector.numerical_aperture=0.9",
+    "tweezer optimise silica-1um --out best.npy",
     "tweezer sweep silica-1um --over bead.diameter=0.5um,1um --out s.zarr --plot s.png",
     "tweezer run thesis-990nm --plot thesis-990nm.png",
     "tweezer tune thesis-990nm --factor 0.1 --duration '1 ms' --plot tune.png",

@@ -19,6 +19,7 @@ from .optics.bodies.shapes import t_matrix
 from .optics.bodies.t_matrix import TMatrix
 from .optics.detected import detect
 from .optics.of_scene import light
+from .optics.optimised import Optimum, optimise
 from .optics.recoil import recoil
 from .orientations import rotation
 from .plots.report import write_report
@@ -56,6 +57,7 @@ __all__ = [
     "IntegrationError",
     "LeastPower",
     "Lifetime",
+    "Optimum",
     "PhysicsWarning",
     "QuantitiesLike",
     "QuantityLike",
@@ -103,6 +105,7 @@ __all__ = [
     "optical_force_error",
     "optical_jacobian",
     "optical_torque",
+    "optimise",
     "potential",
     "recoil",
     "resistance",

@@ -76,6 +76,7 @@ COMMANDS = (
     Command(("view", "run.nc", "--out", "page.html"), ("run.nc",)),
     Command(("compare", "run.nc", "other.nc"), ("run.nc", "other.nc")),
     Command(("trap", "silica-1um", "--plot", "trap.png")),
+    Command(("optimise", "silica-1um", "--out", "best.npy")),
     Command(("map", "silica-1um")),
     Command(
         ("ensemble", "silica-1um", *_THERMAL, "--trajectories", "100", "--duration", "4 ms",

@@ -36,6 +36,7 @@ for _group in (
     "view",
     "trap",
     "detect",
+    "optimise",
     "ensemble",
     "sweep",
     "rotation",

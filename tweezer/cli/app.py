@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 #: Names of commands by the alternative names under which users may look for them
 _FAMILIAR = {
     "simulate": "run", "characterise": "trap", "characterize": "trap", "stiffness": "trap",
-    "show": "view", "plot": "view", "optimise": "tune", "optimize": "tune", "init": "new",
+    "show": "view", "plot": "view", "optimize": "optimise", "init": "new",
 }  # fmt: skip
 
 

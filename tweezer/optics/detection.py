@@ -8,13 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tweezer.forces.equilibria import equilibria_about, nearest_stable
-from tweezer.forces.force import Wrench
-from tweezer.optics.binding import light_force, paths_of_light
+from tweezer.optics.at_rest import at_rest
+from tweezer.optics.binding import paths_of_light
 from tweezer.optics.waves.band_limited import at_many
 from tweezer.optics.waves.detector import Diode
 from tweezer.scene import Scene
-from tweezer.scene.bead import bead_properties
 from tweezer.values.arrays import Array
 from tweezer.values.constants import hbar
 from tweezer.values.errors import SceneError
@@ -83,17 +81,7 @@ class Detection:
 
         Raises `SceneError` if none exists.
         """
-        force, weight = light_force(self.scene), np.array(bead_properties(self.scene).weight)
-
-        def field(places: Array, *, gradient: bool = False) -> Wrench:
-            """Return the force of the light."""
-            return force.field(places, gradient=gradient)
-
-        found = equilibria_about(
-            force.foci(), self.scene.bead.radius, force.search, field,
-            lambda places: force.field(places).force + weight, lambda *_: 0.0,
-        )  # fmt: skip
-        nearest = nearest_stable(found)
+        nearest = at_rest(self.scene)
         if nearest is None:
             raise SceneError(
                 "detector: the light has no stable equilibrium, about which its signals are "
