@@ -5,10 +5,10 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,9 +30,6 @@ from tweezer.scene.interference import interferes
 from tweezer.values.arrays import Array, Complex
 from tweezer.values.errors import SceneError
 from tweezer.values.units import QuantityLike, to_si
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 #: Weights of the stiffnesses of each goal
 GOALS: dict[str, dict[str, float]] = {
@@ -185,7 +182,7 @@ def _masked(scene: Scene, path: Path, *, field: bool) -> Scene:
         raise SceneError("optimise: requires one beam at rest at the origin, without a mirror")
     beam = scene.beam
     shaped = [
-        key for key in ("aberration", "amplitude_terms", "axicon", "annulus", "mask")
+        key for key in ("aberration", "amplitude_terms", "axicon", "annulus", "sectors", "mask")
         if getattr(beam, key)
     ]  # fmt: skip
     if shaped:
