@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
-import click
 import typer
 
 from tweezer.cli.app import Changes, Overwrite, Quiet, SceneName, app, scene_with, settings_of
@@ -17,22 +16,16 @@ from tweezer.values.shown import Row, Table
 if TYPE_CHECKING:
     from tweezer.optics.optimised import Optimum
 
-_GOALS = click.Choice(["kx", "ky", "kz", "sum"])
-_KINDS = click.Choice(["field", "phase"])
-
-
 @app.command()
 def optimise(
     scene: SceneName,
     set: Changes = None,
     goal: Annotated[
-        str, typer.Option("--for", help="Stiffness to maximise.", click_type=_GOALS)
+        Literal["kx", "ky", "kz", "sum"], typer.Option("--for", help="Stiffness to maximise.")
     ] = "kx",
     kind: Annotated[
-        str,
-        typer.Option(
-            "--with", help="What the mask sets: amplitude and phase, or phase.", click_type=_KINDS
-        ),
+        Literal["field", "phase"],
+        typer.Option("--with", help="What the mask sets: amplitude and phase, or phase alone."),
     ] = "field",
     at_least: Annotated[
         list[str] | None,

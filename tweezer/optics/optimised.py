@@ -274,8 +274,8 @@ class _Design:
         for odd, forms in enumerate(self.forms):
             z, of_parity = stiffest(forms, GOALS[goal], limits)
             bound = max(bound, of_parity)
-            phases = Phases(forms, self._before(forms.nodes), pixels, odd=bool(odd))
-            starts = [phases.of(self._drawn(forms, z, pixels)), phases.random()]
+            phases = Phases(forms, self._before, pixels, odd=bool(odd))
+            starts = [phases.of(self._drawn(forms, z, pixels))]
             if before is not None and not odd:
                 starts.append(phases.of(self._moved(forms, before, pixels)))
             for start in starts:

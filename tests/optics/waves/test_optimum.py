@@ -88,8 +88,9 @@ def test_lower_limits_are_met(forms):
 
 def test_slopes_over_phases_are_differences(light, forms):
     of = forms[1]
-    phases = Phases(of, light.pupil.radius(of.nodes), 32, odd=True)
-    start, form = 0.5 * phases.random(), of.stiffness["z"]
+    phases = Phases(of, light.pupil.radius, 32, odd=True)
+    start = np.random.default_rng(3).uniform(-1, 1, phases.half)
+    form = of.stiffness["z"]
 
     def value(at):
         z = phases.coefficients(phases.light(at))
@@ -111,13 +112,14 @@ def test_trap_of_the_written_scene_is_the_predicted_one(field, tmp_path):
     np.testing.assert_allclose(found.position, 0.0, atol=1e-12)
     before = tweezer.characterise(SCENE).equilibrium
     np.testing.assert_allclose(best.without, before.stiffness_xyz, rtol=1e-6)
-    assert best.gain > 1.05
     assert best.stiffness[2] < best.bound * (1 + 1e-9)
     if field:
         assert best.stiffness[2] > 0.999 * best.bound
+        assert best.gain > 1.1
         assert np.iscomplexobj(best.mask)
     else:
         assert best.passed == 1
+        assert best.gain > 1
     force = light_force(best.scene)
     for i, away in enumerate(best.linear_range):
         moved = np.array([[away], [-away]]) * np.eye(3)[i]

@@ -106,14 +106,14 @@ class Forms:
         self.light = light
         a, b = sphere(light, _SMALL)
         self.highest = len(a) + 1
-        self.nodes, self.power = self._nodes()
+        self.nodes, self.power = self.rule(self.highest + _MORE_NODES)
         momenta = [abs(part.angular_momentum) for each in light.states for part in each.parts]
         widest = self.highest + max(momenta)
         every = np.arange(-widest, widest + 1)
         self.orders: NDArray[np.int64] = every[every % 2 == int(odd)]
         self._singular = self._decomposed()
         self.counts = [len(s) for _, s in self._singular]
-        self._known = self._functions(self.nodes)
+        self._known = self.functions(self.nodes)
         B = self._basis()
         T = self._scattering(a, b)
         s = dict(zip("xyz", self._direction(), strict=True))
@@ -130,10 +130,10 @@ class Forms:
             axis: form(-1j * (force[axis] @ s[axis] - s[axis] @ force[axis])) for axis in "xyz"
         }
 
-    def _nodes(self) -> tuple[Array, Array]:
-        """Return 1 - cos(theta) behind the lens, and the power 2 pi W d(cos theta) of each node."""
+    def rule(self, count: int) -> tuple[Array, Array]:
+        """Return nodes, 1 - cos(theta) behind the lens, and the power of each for T = 1 and 1 W."""
         focus = self.light.focus
-        x, share = gauss(self.highest + _MORE_NODES)
+        x, share = gauss(count)
         outer = 2 * math.sin(focus.half_angle / 2) ** 2
         below = outer * (1 + x) / 2
         return below, outer * share / 2 * self._power(below)
@@ -220,7 +220,7 @@ class Forms:
         moved = s @ T
         return -(moved + moved.conj().T + T.conj().T @ moved)
 
-    def _functions(self, below: Array) -> list[ComplexArray]:
+    def functions(self, below: Array) -> list[ComplexArray]:
         """Return the functions of T with coefficients z at 1 - cos(theta) = `below`.
 
         Those of each order are (functions, n), smooth between the nodes, and orthonormal over the
@@ -245,7 +245,7 @@ class Forms:
         They are at the nodes if `below` is None.
         """
         of_orders = np.split(z, np.cumsum(self.counts)[:-1])
-        functions = self._known if below is None else self._functions(below)
+        functions = self._known if below is None else self.functions(below)
         return np.stack([each @ known for each, known in zip(of_orders, functions, strict=True)])
 
     def means(self, z: ComplexArray) -> dict[str, float]:

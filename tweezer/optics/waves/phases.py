@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,9 @@ from tweezer.values.arrays import Array
 ComplexArray = NDArray[np.complex128]
 
 #: Searches with multipliers of the conditions, and steps of each
-_ROUNDS, _STEPS = 8, 120
+_ROUNDS, _STEPS = 6, 80
+#: Radii and azimuths of the sums over the pupil, per pixel along its diameter
+_RADII, _AZIMUTHS = 1, 4
 #: Weight of the squares of missed conditions at first, and its growth
 _PENALTY, _STIFFER = 10.0, 3.0
 
@@ -31,22 +33,27 @@ _PENALTY, _STIFFER = 10.0, 3.0
 class Phases:
     """Phases of pixels over the pupil, and force and stiffness in their light."""
 
-    def __init__(self, forms: Forms, rho: Array, pixels: int, *, odd: bool) -> None:
+    def __init__(
+        self, forms: Forms, radius: Callable[[Array], Array], pixels: int, *, odd: bool
+    ) -> None:
         """Prepare the sums over the pupil.
 
         Parameters
         ----------
         forms : Forms
             Force and stiffness as forms, for orders that are odd or even as the phases.
-        rho : ndarray, shape (nodes,)
-            Distance from the axis of the nodes of the forms, in pupil radii.
+        radius : callable
+            Function from 1 - cos(theta) behind the lens to the distance from the axis, in pupil
+            radii.
         pixels : int
             Even number of pixels along the diameter of the pupil.
         odd : bool
             Whether half a turn about the centre changes the sign of the light.
         """
         self.forms, self.pixels, self.odd = forms, pixels, odd
-        self.azimuths = 4 * len(forms.orders)
+        self.azimuths = _AZIMUTHS * pixels
+        below, self.power = forms.rule(_RADII * pixels)
+        self.functions, rho = forms.functions(below), radius(below)
         phi = 2 * math.pi * (np.arange(self.azimuths) + 0.5) / self.azimuths
         column, row = (
             np.minimum((np.outer(rho, each) + 1) * pixels / 2, pixels - 1).astype(int)
@@ -70,19 +77,21 @@ class Phases:
         """Return the phases of half of the pixels of light (pixels, pixels)."""
         return np.angle(light).ravel()[: self.half]
 
-    def random(self) -> Array:
-        """Return random phases of half of the pixels; they are the same at each call."""
-        return np.random.default_rng(1).uniform(-math.pi, math.pi, self.half)
-
     def coefficients(self, light: ComplexArray) -> ComplexArray:
-        """Return z of light (pixels, pixels), with each node in one pixel."""
+        """Return z of light (pixels, pixels), with each node in one of the pixels."""
         around = np.fft.fft(light.ravel()[self.at], axis=1)[:, self.forms.orders]
-        return self.forms.coefficients((around * self.shift).T)
+        harmonics = (around * self.shift).T * self.power
+        return np.concatenate([
+            known.conj() @ each for known, each in zip(self.functions, harmonics, strict=True)
+        ])  # fmt: skip
 
     def _back(self, z: ComplexArray) -> ComplexArray:
         """Return the adjoint of `coefficients` by node and azimuth, (nodes, azimuths)."""
-        series = np.zeros((len(self.forms.nodes), self.azimuths), np.complex128)
-        harmonics = self.forms.harmonics(z) * self.forms.power
+        series = np.zeros((len(self.power), self.azimuths), np.complex128)
+        of_orders = np.split(z, np.cumsum(self.forms.counts)[:-1])
+        harmonics = self.power * np.stack([
+            each @ known for each, known in zip(of_orders, self.functions, strict=True)
+        ])  # fmt: skip
         series[:, self.forms.orders] = harmonics.T * self.shift.conj()
         return np.asarray(np.fft.ifft(series, axis=1, norm="forward"))
 
