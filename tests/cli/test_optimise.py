@@ -42,8 +42,8 @@ def test_optimise_writes_the_mask_and_its_scene(command_line, asked):
     assert rows["gain in kx"] == ["2"]
     assert rows["of the largest possible"] == ["75 %"]
     assert rows["light that the mask transmits"] == ["25 %"]
-    assert rows["stiffness, pN/um"] == ["30", "20", "10"]
-    assert rows["without the mask, pN/um"] == ["15", "10", "1"]
+    assert rows["stiffness, pN/µm"] == ["30", "20", "10"]
+    assert rows["without the mask, pN/µm"] == ["15", "10", "1"]
     assert rows["linear within 5 % to, nm"] == ["100", "200", "300"]
     assert outcome.out.endswith("wrote mine.npy and mine.toml\n")
     scene = tweezer.load_scene("mine.toml")

@@ -16,6 +16,7 @@ from tweezer.values.shown import Row, Table
 if TYPE_CHECKING:
     from tweezer.optics.optimised import Optimum
 
+
 @app.command()
 def optimise(
     scene: SceneName,
