@@ -2,6 +2,7 @@
 
 import math
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,6 +21,8 @@ from tests.optics.waves.test_pupil import (
 from tests.reference.plane_waves import Light, Sphere, lens, push
 from tweezer import SceneError
 from tweezer.optics.mask import Mask, mask_of
+from tweezer.optics.waves.binding import _rules
+from tweezer.optics.waves.nodes import Rule
 from tweezer.optics.zernike import projected
 
 RADIUS = 2.5e-3
@@ -289,6 +292,18 @@ def test_two_coherent_halves_of_a_masked_beam_are_the_beam(tmp_path):
     found = tweezer.optical_force(tweezer.load_scene(described), PLACES[:2])
     expected = tweezer.optical_force(scene, PLACES[:2])
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+
+
+def test_rules_with_more_nodes_than_a_later_one_are_left_out():
+    """The compiled sums have room for the nodes of the last rule."""
+    rules = [Rule(np.zeros(n), np.zeros(n), 1.0 + i) for i, n in enumerate((8, 120, 96, 96, 108))]
+    nodes = SimpleNamespace(
+        up_to=lambda _: rules, variable=SimpleNamespace(phases=(1.0, 1.0)), shift=0.0
+    )
+    light = SimpleNamespace(
+        size_parameter=2.0, wavenumber=1.0, focus=SimpleNamespace(half_angle=1.0)
+    )
+    assert _rules(light, nodes, 3.0) == [rules[2], rules[3], rules[4]]
 
 
 # --- files ----------------------------------------------------------------------------------------

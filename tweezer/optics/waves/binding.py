@@ -211,13 +211,19 @@ def _rules(light: Waves, nodes: Nodes, reach: float) -> list[Rule]:
     """Return the rules of nodes for beads up to `reach`, m, from the focus, fewest nodes first.
 
     A bead needs nodes for the phase over the cone that its size and its distance from the focus
-    add up to. Rules too small for even a bead in the focus are left out.
+    add up to. Rules too small for even a bead in the focus are left out, and also those with more
+    nodes than a later one. Those of a mask may have them, because each has its own terms. The
+    compiled sums have room for the nodes of the last rule.
     """
     least = light.size_parameter * light.focus.half_angle
     across, along = nodes.variable.phases
     most = least + light.wavenumber * reach * math.hypot(across, along)
     most += abs(nodes.shift) * along
-    return [rule for rule in nodes.up_to(most) if rule.largest_phase >= least]
+    found: list[Rule] = []
+    for rule in reversed(nodes.up_to(most)):
+        if rule.largest_phase >= least and (not found or len(rule.below) <= len(found[0].below)):
+            found.insert(0, rule)
+    return found
 
 
 def _of_nodes(focus: Focus, rule: Rule, shift: float, parts: list[Part], many: int) -> Array:
