@@ -4,6 +4,7 @@ from .dynamics import Event, bind, capture, chosen, flip
 from .ensembles import escape_times
 from .ensembles.ensemble import ensemble
 from .fluid import wall_mobilities
+from .fluid.medium import MediumProperties, medium
 from .fluid.resistance.of_scene import resistance
 from .fluid.resistance.resistance import Resistance
 from .optics import (
@@ -57,6 +58,7 @@ __all__ = [
     "IntegrationError",
     "LeastPower",
     "Lifetime",
+    "MediumProperties",
     "Optimum",
     "PhysicsWarning",
     "QuantitiesLike",
@@ -101,6 +103,7 @@ __all__ = [
     "load_scene",
     "load_t_matrix",
     "load_track",
+    "medium",
     "optical_force",
     "optical_force_error",
     "optical_jacobian",

@@ -23,6 +23,7 @@ CALLS = {
     "characterise": lambda scene: tweezer.characterise(scene).equilibrium.position,
     "chosen": lambda scene: tweezer.chosen(scene)[1],
     "light": lambda scene: tweezer.light(scene).field([0, 0, 1e-7]).force,
+    "medium": lambda scene: tweezer.medium(scene).drag,
     "optical_force": lambda scene: tweezer.optical_force(scene, [0, 0, 1e-7]),
     "optical_force_error": lambda scene: tweezer.optical_force_error(scene, [0, 0, 1e-7]),
     "optical_jacobian": lambda scene: tweezer.optical_jacobian(scene, [0, 0, 1e-7]),
