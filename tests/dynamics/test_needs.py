@@ -74,6 +74,9 @@ def as_it_is(problem):
     return problem
 
 
+THIN = {
+    "medium": {"name": "air", "pressure": "1 mbar"}, "lens": {"numerical_aperture": 0.8},
+}  # fmt: skip
 OVERDAMPED = with_method("heun", model="overdamped")
 #: changes of silica-1um, forces, a change of the problem; motion and row that it reaches
 FORGOTTEN = [
@@ -94,6 +97,9 @@ FORGOTTEN = [
      needs.THERMAL, 7),
     ((ROD,), [], as_it_is, DETERMINISTIC, 8),
     ((THERMAL, ROD), [], as_it_is, LINEAR, 8),
+    ((THIN,), [], as_it_is, DETERMINISTIC, 9),
+    ((THIN,), [], as_it_is, LINEAR, 9),
+    ((THIN, THERMAL, with_method("heun", model="full")), [], as_it_is, needs.THERMAL, 9),
 ]  # fmt: skip
 
 

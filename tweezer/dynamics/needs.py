@@ -372,8 +372,6 @@ class Forgotten(NamedTuple):
 
 #: For each motion, the first one counts
 MEMORY = (
-    Forgotten((DETERMINISTIC, THERMAL, LINEAR), lambda its: its.problem.scene.rarefied,
-              "the gas is no continuum for the bead"),
     Forgotten((DETERMINISTIC, LINEAR), lambda its: its.names_another_model, _WHERE_NAMED),
     Forgotten((DETERMINISTIC, LINEAR), lambda its: its.method is not None and not its.has("memory"),
               "the method {method} cannot follow it"),
@@ -390,6 +388,8 @@ MEMORY = (
               "{method} cannot follow it in a trap that couples the axes"),
     Forgotten((THERMAL,), lambda its: its.names_another_model, _WHERE_NAMED),
     Forgotten((DETERMINISTIC, LINEAR), lambda its: its.body, "it is known for spheres only"),
+    Forgotten((DETERMINISTIC, THERMAL, LINEAR), lambda its: its.problem.scene.rarefied,
+              "the gas is no continuum for the bead"),
 )  # fmt: skip
 
 
