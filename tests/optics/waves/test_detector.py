@@ -256,3 +256,19 @@ def test_detector_of_light_too_uneven_is_refused(monkeypatch):
     monkeypatch.setattr(detector, "_MOST_DEGREE", 3)
     with pytest.raises(SceneError, match=r"beam: .* too uneven for a detector"):
         tweezer.detect(DETECTED.replace(detector={"numerical_aperture": 0.8}))
+
+
+def test_rest_off_the_axis_is_the_equilibrium_of_the_trap():
+    """Light pushes a small bead of low index aside; on a ring, a bead is not at rest."""
+    described = tweezer.load_scene("silica-1um").model_dump(exclude_none=True)
+    described["bead"] |= {"radius": 0.15e-6, "refractive_index": 1.25}
+    described["beam"]["polarisation"] = "linear"
+    scene = tweezer.load_scene({**described, "detector": {"numerical_aperture": 0.9}})
+    rest = detection(scene).rest
+    expected = tweezer.characterise(scene).equilibrium.position
+    assert math.hypot(*rest[:2]) > 0.5e-6
+    np.testing.assert_allclose(np.abs(rest), np.abs(expected), atol=1e-11)  # or after half a turn
+    ring = scene.replace(bead={"refractive_index": 1.45},
+                         beam={"vortex": 1, "polarisation": "circular"})  # fmt: skip
+    with pytest.raises(SceneError, match="no stable equilibrium"):
+        tweezer.detect(ring)
