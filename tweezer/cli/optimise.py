@@ -26,7 +26,7 @@ def optimise(
     ] = "kx",
     kind: Annotated[
         Literal["field", "phase"],
-        typer.Option("--with", help="What the mask sets: amplitude and phase, or phase alone."),
+        typer.Option("--with", help="Mask of amplitude and phase, or of the phase alone."),
     ] = "field",
     at_least: Annotated[
         list[str] | None,
@@ -89,7 +89,7 @@ def _write(best: Optimum, mask: Path, file: Path) -> None:
 
 
 def _rows(best: Optimum) -> list[Row]:
-    """Return what is said about the whole mask."""
+    """Return the rows about the whole mask."""
     gain = "the scene itself has no trap" if best.gain is None else f"{best.gain:.4g}"
     worth = best.value / best.bound
     return [

@@ -68,7 +68,7 @@ class Mask:
         """Return the coefficients c_nm up to a degree; see `tweezer.optics.zernike.projected`."""
         known: Complex | None = self.__dict__.get("known")
         if known is None or len(known) <= degree:
-            # ever larger degrees are asked for, and a projection to twice the degree serves several
+            # the degree grows in steps: a projection to twice the degree serves several of them
             most = degree if known is None else max(degree, 2 * len(known))
             known = self.__dict__["known"] = self._turned(self.values, most)
         most = len(known) - 1

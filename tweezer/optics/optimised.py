@@ -253,7 +253,7 @@ class _Design:
         at = max((0, 1), key=lambda i: found[i][1])
         (z, bound), forms = found[at], self.forms[at]
         wanted = limits.force
-        for _ in range(_ROUNDS):  # pixels have fine details, whose light the bead does not feel
+        for _ in range(_ROUNDS):  # the light of the fine details of pixels exerts no force
             values = self._pixels(forms, z)
             means = forms.means(self._coefficients(forms, values))
             missed = means["f"] - limits.force
@@ -360,7 +360,7 @@ class _Design:
         return _on_pixels(harmonics, forms.orders, pixels)
 
     def _pixels(self, forms: Forms, z: Complex) -> Complex:
-        """Return pixels whose Zernike terms are those of T, of a modulus up to 1."""
+        """Return pixels with the Zernike terms of T, of a modulus up to 1."""
         nodes, weight = gauss(_RADII)
         nodes, weight = (nodes + 1) / 2, weight / 2
         harmonics = forms.harmonics(z, self._behind(nodes))

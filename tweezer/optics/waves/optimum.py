@@ -158,7 +158,7 @@ class Forms:
     def _waves(self, q: int, below: Array, table: Array) -> ComplexArray:
         """Return p_nm of plane waves of the order q per T and d(cos theta), (rows, n, nodes).
 
-        The rows are those of `_rows`, and n is from 0. `table` are harmonics at the nodes.
+        `_rows` lists the rows, and n is from 0. `table` are harmonics at the nodes.
         """
         along, across = self.light.focus.amplitudes(below)
         found = np.zeros((len(rows := self._rows(q)), self.highest + 1, len(below)), np.complex128)
@@ -242,7 +242,7 @@ class Forms:
     def harmonics(self, z: ComplexArray, below: Array | None = None) -> ComplexArray:
         """Return harmonics t_q of T, (orders, n), at 1 - cos(theta) = `below` behind the lens.
 
-        They are at the nodes if `below` is None.
+        Without `below`, they are at the nodes.
         """
         of_orders = np.split(z, np.cumsum(self.counts)[:-1])
         functions = self._known if below is None else self.functions(below)

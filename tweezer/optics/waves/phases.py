@@ -68,7 +68,7 @@ class Phases:
         return self.pixels**2 // 2
 
     def light(self, phases: Array) -> ComplexArray:
-        """Return T of all pixels of the phases of half of them, (pixels, pixels)."""
+        """Return T of all pixels, (pixels, pixels), from the phases of one half."""
         own = np.exp(1j * phases)
         turned = own[::-1] * (-1.0 if self.odd else 1.0)
         return np.concatenate([own, turned]).reshape(self.pixels, self.pixels)
