@@ -49,6 +49,19 @@ def test_forms_are_force_and_stiffness_of_the_beam(light, forms):
         np.testing.assert_allclose(means[axis], expected, rtol=1e-8)
 
 
+@pytest.mark.parametrize("polarisation", ["circular", "unpolarised"])
+def test_forms_of_light_without_a_plane(polarisation):
+    scene = SCENE.replace(beam={"polarisation": polarisation})
+    (path,) = paths_of_light(scene, (scene.beam,))
+    forms = Forms(path.light, odd=False)
+    means = forms.means(even_light(forms))
+    in_focus = light_force(scene).field(np.zeros((1, 3))).force[0, 2] / path.light.strength
+    np.testing.assert_allclose(means["f"], in_focus, rtol=1e-10)
+    np.testing.assert_allclose(means["x"], means["y"], rtol=1e-10)
+    z, bound = stiffest(forms, {"x": 1.0}, Limits(0.0, {}))
+    np.testing.assert_allclose(forms.means(z)["x"], bound, rtol=1e-6)
+
+
 @pytest.mark.parametrize("goal", BOTH.values(), ids=BOTH)
 @pytest.mark.parametrize("odd", [0, 1])
 def test_no_light_is_stiffer_than_the_bound(forms, goal, odd):

@@ -111,7 +111,10 @@ class Forms:
         widest = self.highest + max(momenta)
         every = np.arange(-widest, widest + 1)
         self.orders: NDArray[np.int64] = every[every % 2 == int(odd)]
-        self._singular = self._decomposed()
+        decomposed = self._decomposed()
+        felt = [len(s) > 0 for _, s in decomposed]  # circular light has fewer orders
+        self.orders = self.orders[felt]
+        self._singular = [each for each, kept in zip(decomposed, felt, strict=True) if kept]
         self.counts = [len(s) for _, s in self._singular]
         self._known = self.functions(self.nodes)
         B = self._basis()
@@ -184,9 +187,9 @@ class Forms:
         columns = []
         for q, (U, s) in zip(self.orders, self._singular, strict=True):
             block = np.zeros((2 * len(self.light.states), size, stride, len(s)), np.complex128)
-            for wave, (state, part, m) in zip(
-                (U * s).reshape(-1, stride, len(s)), self._rows(int(q)), strict=True
-            ):
+            rows = self._rows(int(q))
+            waves = (U * s).reshape(len(rows), stride, len(s))
+            for wave, (state, part, m) in zip(waves, rows, strict=True):
                 block[2 * state + (1 - part.helicity) // 2, m + self.highest] += wave
             columns.append(sparse.csr_matrix(block.reshape(-1, len(s))))
         return sparse.hstack(columns, format="csr")
