@@ -8,7 +8,8 @@ import pytest
 import tweezer
 from tweezer import ResultError
 from tweezer.calibration import by_detector
-from tweezer.calibration.by_detector import from_signals
+from tweezer.calibration.by_detector import completed, from_signals
+from tweezer.calibration.setup import Setup
 from tweezer.optics.detection import detection
 
 SCENE = tweezer.load_scene("silica-1um").replace(
@@ -57,6 +58,21 @@ def test_note_contains_the_linear_range(found):
     assert found.note.startswith("the signals are linear within 5 % up to ")
     told = [float(word) for word in found.note.split() if word[0].isdigit()][1:]
     np.testing.assert_allclose(told, 1e9 * ends, rtol=1e-3)
+
+
+def test_note_contains_the_error_of_a_named_medium():
+    named = SCENE.replace(medium={"name": "water", "temperature": "20 degC"})
+    note = from_signals(recorded(SIGNALS), named).note
+    assert note.endswith("; the drag in water is known within 1 %")
+
+
+def test_setup_has_the_drag_of_the_gas_of_a_scene():
+    gas = {"name": "air", "pressure": "10 mbar", "temperature": 300}
+    thin = SCENE.replace(medium=gas, lens={"numerical_aperture": 0.8})
+    setup = completed(Setup(), thin)
+    assert setup.drag == tweezer.bead_properties(thin).drag < 1e-3 * tweezer.medium(SCENE).drag
+    assert completed(Setup(viscosity=1e-3), thin).drag is None
+    assert completed(Setup(), SCENE).drag is None
 
 
 def test_gain_of_volts_follows_from_all_of_the_light():

@@ -12,11 +12,14 @@ import dataclasses
 import numpy as np
 
 from tweezer.calibration.setup import Setup
+from tweezer.fluid.medium import medium
 from tweezer.optics.detected import linear_ranges
 from tweezer.optics.detection import CHANNELS, Detection, detection
 from tweezer.optics.waves.band_limited import InBox
 from tweezer.reading.recording import Recording
 from tweezer.scene import Scene
+from tweezer.scene.bead import bead_properties
+from tweezer.scene.media import GASES
 from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
 from tweezer.values.printed import in_unit
@@ -71,6 +74,10 @@ def from_signals(recording: Recording, scene: Scene) -> Recording:
         for axis, each in zip(CHANNELS, linear_ranges(seen), strict=True)
     )
     note = f"the signals are linear within 5 % up to {', '.join(ranges)}"
+    of_medium = medium(scene)
+    if scene.medium.name is not None and of_medium.drag_error > 0:
+        known = 100 * of_medium.drag_error / of_medium.drag
+        note += f"; the drag in {scene.medium.name} is known within {known:.2g} %"
     return dataclasses.replace(
         recording, positions=positions, unit="m",
         note="; ".join(filter(None, [recording.note, note])),
@@ -79,12 +86,16 @@ def from_signals(recording: Recording, scene: Scene) -> Recording:
 
 def completed(setup: Setup, scene: Scene) -> Setup:
     """Return a setup with bead and medium of a scene where they are not given."""
-    medium = scene.medium
+    fluid = scene.medium
+    drag, given = setup.drag, (setup.drag, setup.radius, setup.viscosity)
+    if fluid.name in GASES and given == (None, None, None):
+        drag = bead_properties(scene).drag
     return dataclasses.replace(
         setup,
-        temperature=medium.temperature if setup.temperature is None else setup.temperature,
+        temperature=fluid.temperature if setup.temperature is None else setup.temperature,
+        drag=drag,
         radius=scene.bead.radius if setup.radius is None else setup.radius,
-        viscosity=medium.viscosity if setup.viscosity is None else setup.viscosity,
+        viscosity=fluid.viscosity if setup.viscosity is None else setup.viscosity,
     )
 
 
