@@ -38,6 +38,8 @@ figures: .venv/.dev  ## every figure and number of the documentation again
 	$(BIN)/tweezer trap silica-1um --plot docs/figures/trap-silica-1um.png
 	$(BIN)/tweezer trap polystyrene-500nm --set bead.shape=spheroid --set "bead.diameter=0.4 um" \
 		--set "bead.length=0.8 um" --plot docs/figures/trap-rod.png
+	$(BIN)/tweezer optimise silica-1um --set "bead.diameter=3 um" --set lens.numerical_aperture=1.2 \
+		--set beam.polarisation=linear --for ky --out best.npy --overwrite --plot docs/figures/stiffest.png
 	$(BIN)/python -m tests.pictures
 	$(BIN)/python docs/knobs.py
 	$(BIN)/tweezer trap silica-1um --heights "0.6 um" "10 um" --set lens.cover.refractive_index=1.518 \

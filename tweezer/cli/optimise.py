@@ -7,8 +7,24 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from tweezer.cli.app import Changes, Overwrite, Quiet, SceneName, app, scene_with, settings_of
-from tweezer.cli.console import begin, showing_progress, tell_written, writable_result
+from tweezer.cli.app import (
+    Changes,
+    FigureFile,
+    Overwrite,
+    Quiet,
+    SceneName,
+    app,
+    scene_with,
+    settings_of,
+)
+from tweezer.cli.console import (
+    begin,
+    showing_progress,
+    tell_written,
+    writable_figure,
+    writable_result,
+    write_figure,
+)
 from tweezer.cli.tables import print_shown, print_table
 from tweezer.values.errors import SceneError
 from tweezer.values.shown import Row, Table
@@ -39,6 +55,7 @@ def optimise(
         Path | None,
         typer.Option(help="File .npy of the mask; the scene is written beside it, as .toml."),
     ] = None,
+    plot: FigureFile = None,
     overwrite: Overwrite = False,
     quiet: Quiet = False,
 ) -> None:
@@ -51,6 +68,7 @@ def optimise(
     described = scene_with(scene, settings_of(set or []))
     mask = writable_result(out or Path(f"best-{goal}.npy"), ("npy",), overwrite=overwrite)
     file = writable_result(mask.with_suffix(".toml"), ("toml",), overwrite=overwrite)
+    plot = writable_figure(plot, overwrite=overwrite)
     with showing_progress(described.name):
         from tweezer.optics.optimised import optimise as optimised
 
@@ -61,7 +79,11 @@ def optimise(
     _write(best, mask, file)
     print_shown(described.name, _rows(best))
     print_table(_table(best))
-    tell_written(mask, file)
+    if plot:
+        from tweezer.plots import optimum_figure
+
+        write_figure(optimum_figure(best, described), plot)
+    tell_written(mask, file, plot)
 
 
 def _limits(texts: list[str]) -> dict[str, str]:

@@ -4,6 +4,7 @@ from .depth import depth_figure
 from .ensemble import ensemble_figure
 from .fit import fit_figure
 from .heights import heights_figure
+from .optimum import optimum_figure
 from .rotation import rotation_figure
 from .run import run_figure
 from .sweeps import sweep_figure
@@ -18,6 +19,7 @@ __all__ = [
     "ensemble_figure",
     "fit_figure",
     "heights_figure",
+    "optimum_figure",
     "rotation_figure",
     "run_figure",
     "sweep_figure",
