@@ -24,22 +24,26 @@ def test_water_is_that_of_iapws_within_its_errors():
         kelvin = 273.15 + celsius
         full = IAPWS95(T=kelvin, P=0.101325, l=1e6 * SILICA.beam.wavelength)
         found = in_medium(name="water", temperature=kelvin)
-        assert found.density == pytest.approx(full.rho, rel=1e-5)
-        assert found.viscosity == pytest.approx(full.mu, rel=3e-5)
+        assert found.density == pytest.approx(full.rho, rel=1e-5, abs=0)
+        assert found.viscosity == pytest.approx(full.mu, rel=3e-5, abs=0)
         assert found.refractive_index == pytest.approx(full.n, abs=1e-5)
-        assert found.density_error == pytest.approx(1e-6 * full.rho, rel=1e-3)
-        assert found.viscosity_error == pytest.approx(0.01 * full.mu, rel=1e-3)
+        assert found.density_error == pytest.approx(1e-6 * full.rho, rel=1e-3, abs=0)
+        assert found.viscosity_error == pytest.approx(0.01 * full.mu, rel=1e-3, abs=0)
         assert found.refractive_index_error == 6e-5
 
 
 def test_error_of_viscosity_is_that_of_the_drag_of_a_liquid():
     found = in_medium(name="glycerol", fraction=0.5)
     radius, mass = SILICA.bead.radius, tweezer.bead_properties(SILICA).mass
-    assert found.viscosity_error == pytest.approx(0.06 * found.viscosity)
-    assert found.drag_error == pytest.approx(6 * math.pi * radius * found.viscosity_error)
-    assert found.rotational_drag_error == pytest.approx(0.06 * found.rotational_drag)
-    assert found.damping_rate == pytest.approx(found.drag / mass)
-    assert found.damping_rate_error == pytest.approx(0.06 * found.damping_rate)
+    assert found.viscosity_error == pytest.approx(0.06 * found.viscosity, rel=1e-9, abs=0)
+    assert found.drag_error == pytest.approx(
+        6 * math.pi * radius * found.viscosity_error, rel=1e-9, abs=0
+    )
+    assert found.rotational_drag_error == pytest.approx(
+        0.06 * found.rotational_drag, rel=1e-9, abs=0
+    )
+    assert found.damping_rate == pytest.approx(found.drag / mass, rel=1e-9, abs=0)
+    assert found.damping_rate_error == pytest.approx(0.06 * found.damping_rate, rel=1e-9, abs=0)
 
 
 def test_errors_of_numbers_that_the_scene_gives_are_not_known():
@@ -62,7 +66,7 @@ def test_measured_slip_is_within_the_error_of_the_drag(pressure, factor):
     found = in_medium(name="air", pressure=pressure)
     A, B, C = factor
     Kn = found.knudsen
-    assert Kn == pytest.approx(found.mean_free_path / SILICA.bead.radius)
+    assert Kn == pytest.approx(found.mean_free_path / SILICA.bead.radius, rel=1e-9, abs=0)
     stokes = 6 * math.pi * found.viscosity * SILICA.bead.radius
     measured = stokes / (1 + Kn * (A + B * math.exp(-C / Kn)))
     assert abs(found.drag - measured) < found.drag_error
@@ -84,8 +88,8 @@ def test_incomplete_accommodation_is_uncertain_between_the_limits():
 def test_density_of_a_gas_is_ideal():
     found = in_medium(name="nitrogen", pressure=1e3)
     mass = 0.02801348 / constants.N_A
-    assert found.density == pytest.approx(1e3 * mass / (constants.k * 300), rel=1e-9)
-    assert found.density_error == pytest.approx(5e-5 * found.density, rel=1e-3)
+    assert found.density == pytest.approx(1e3 * mass / (constants.k * 300), rel=1e-9, abs=0)
+    assert found.density_error == pytest.approx(5e-5 * found.density, rel=1e-3, abs=0)
 
 
 def test_card_has_numbers_and_errors():

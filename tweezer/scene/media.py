@@ -175,7 +175,7 @@ class Gas(Fluid):
             viscosity = emitted.power_viscosity(temperature, *(self.power or ()))
         density, path = emitted.gas(temperature, part, self.molar_mass, viscosity)
         index = emitted.refractive_index(density, 1.0, self._refraction(wavelength), 1.0, 1.0)
-        return Properties(density, viscosity, max(index, 1.0), path)
+        return Properties(density, viscosity, index, path)
 
     def errors(self, found: Properties) -> Properties:
         """Return the errors, which of density and index fall with the pressure."""
