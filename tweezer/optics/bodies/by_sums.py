@@ -17,8 +17,7 @@ from tweezer.optics.bodies.kernel import ABSORBED, DERIVATIVE, body_kernel, body
 from tweezer.optics.bodies.shapes import t_matrix
 from tweezer.optics.bodies.t_matrix import TMatrix
 from tweezer.optics.light import LightForce
-from tweezer.optics.waves.by_quadrature import BEYOND_LOSS
-from tweezer.optics.waves.light import Waves, waves_on_bead
+from tweezer.optics.waves.light import BEYOND_LOSS, Waves, waves_on_bead
 from tweezer.scene import Scene
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError

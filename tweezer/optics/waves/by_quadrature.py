@@ -13,7 +13,7 @@ from tweezer.forces.force import Kernel, Wrench
 from tweezer.optics.light import LightForce
 from tweezer.optics.waves.binding import Sums, sums
 from tweezer.optics.waves.kernel import absorption, waves_kernel
-from tweezer.optics.waves.light import Waves, waves_on_bead
+from tweezer.optics.waves.light import BEYOND_LOSS, Waves, waves_on_bead
 from tweezer.scene import Scene
 from tweezer.scene.theory import LARGEST_IN_WAVES, no_rays
 from tweezer.values.arrays import Array
@@ -21,8 +21,6 @@ from tweezer.values.errors import SceneError
 
 #: Largest error that is allowed, in units of the wanted one
 _MISSED = 2.0
-#: Distance up to which compiled loops compute the force, in distances at which the bead is lost
-BEYOND_LOSS = 1.25
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,7 +34,7 @@ from tweezer.optics.waves.amplitudes import (
     room_for_paths,
 )
 from tweezer.optics.waves.binding import ROUNDING, SMALL, UNIT, of_states, sphere_and_degree
-from tweezer.optics.waves.by_quadrature import BEYOND_LOSS, checked_size
+from tweezer.optics.waves.by_quadrature import checked_size
 from tweezer.optics.waves.focus import states
 from tweezer.optics.waves.harmonics import elements
 from tweezer.optics.waves.kernel import (
@@ -57,7 +57,7 @@ from tweezer.optics.waves.kernel import (
     moment_sum,
 )
 from tweezer.optics.waves.kernel import Waves as AboutBead
-from tweezer.optics.waves.light import Waves, waves_on_bead
+from tweezer.optics.waves.light import BEYOND_LOSS, Waves, waves_on_bead
 from tweezer.optics.waves.mirror import reflected
 from tweezer.optics.waves.partial_waves import OPTIONS
 from tweezer.optics.waves.pupil import Pupil

@@ -21,6 +21,8 @@ from tweezer.scene import Scene
 from tweezer.scene.theory import FARTHEST_IN_WAVES
 from tweezer.values.arrays import Array
 
+#: Distance up to which compiled loops compute the force, in distances at which the bead is lost
+BEYOND_LOSS = 1.25
 #: Distance up to which the force is sampled evenly: so many radii plus so many wavelengths in the
 #: medium, as a small bead's trap reaches many radii
 _RADII, _WAVELENGTHS = 5.0, 10.0
@@ -49,6 +51,9 @@ class Waves(Light):
     """outer radius, m, and index relative to the medium, from the core outwards"""
     absorbs: bool
     """whether the sphere absorbs light: if not, the light exerts no torque"""
+    ends: float = math.inf
+    """distance from the focus at which searches of the force end, m. In light with a mask each
+    force takes longer the farther the bead is"""
 
     @property
     def size_parameter(self) -> float:
@@ -93,7 +98,7 @@ class Waves(Light):
     @property
     def farthest(self) -> float:
         """Distance from the focus up to which the force is computed, m."""
-        return FARTHEST_IN_WAVES / self.wavenumber
+        return min(FARTHEST_IN_WAVES / self.wavenumber, self.ends)
 
     @functools.cached_property
     def focus(self) -> Focus:
@@ -105,7 +110,7 @@ class Waves(Light):
         """Lengths by which the force is searched: it changes over wavelengths, and never jumps."""
         wavelength = 2 * math.pi / self.wavenumber
         spacing = _SPACING * wavelength
-        near = _RADII * self.radius + _WAVELENGTHS * wavelength
+        near = min(_RADII * self.radius + _WAVELENGTHS * wavelength, self.ends / 2)
         depth = wavelength / (math.pi * self.cone.spread**2)
         # a line from a place within the reach ends where waves are computed
         reach = min(self.reach(depth, near), max(near, self.farthest / 2))
@@ -190,4 +195,5 @@ def waves_on_bead(scene: Scene) -> Waves:
         pupil=pupil,
         shells=tuple((outer, index / n_m) for outer, index in scene.bead.shells),
         absorbs=scene.bead.absorbs,
+        ends=math.inf if mask is None else BEYOND_LOSS * scene.simulation.loss_distance,
     )
