@@ -59,7 +59,7 @@ def optimise(
     overwrite: Overwrite = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find the mask that makes SCENE's trap stiffest.
+    """Find the mask for SCENE's stiffest trap.
 
     The command writes the mask over the pupil and a scene with it: best-GOAL.npy and best-GOAL.toml
     by default.
