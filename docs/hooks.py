@@ -54,7 +54,9 @@ _log = logging.getLogger("mkdocs.hooks.tweezer")  # a warning fails a strict bui
 INDEX = "commands.md"
 #: pages of the commands: title and commands
 COMMANDS = {
-    "commands-runs.md": ("Commands for runs and traps", "new scenes run view trap detect optimise tune"),
+    "commands-runs.md": (
+        "Commands for runs and traps", "new scenes run view trap detect optimise tune"
+    ),
     "commands-series.md": ("Commands for ensembles and sweeps", "ensemble sweep rotation compare"),
     "commands-recordings.md": ("Commands for recordings", "examples calibrate fit fit-depth"),
     "commands-machine.md": (
