@@ -76,7 +76,6 @@ COMMANDS = (
     Command(("view", "run.nc", "--out", "page.html"), ("run.nc",)),
     Command(("compare", "run.nc", "other.nc"), ("run.nc", "other.nc")),
     Command(("trap", "silica-1um", "--plot", "trap.png")),
-    Command(("optimise", "silica-1um", "--out", "best.npy")),
     Command(("map", "silica-1um")),
     Command(
         ("ensemble", "silica-1um", *_THERMAL, "--trajectories", "100", "--duration", "4 ms",
@@ -98,7 +97,6 @@ COMMANDS = (
         ("falling.nc",),
     ),
     Command(("rotation", "rod.nc"), ("rod.nc",)),
-    Command(("detect", "silica-1um", "--set", "detector.numerical_aperture=0.9")),
     Command(("tune", "thesis-990nm")),
     Command(("reproduce", "5.1")),
     Command(("cache",)),
