@@ -40,7 +40,7 @@ def test_optimise_writes_the_mask_and_its_scene(command_line, asked):
     words = [re.split(r"\s{2,}", line.strip()) for line in outcome.out.splitlines()]
     rows = {name: values for name, *values in words}
     assert rows["gain in kx"] == ["2"]
-    assert rows["of the largest possible"] == ["75 %"]
+    assert rows["part of its upper bound"] == ["75 %"]
     assert rows["light that the mask transmits"] == ["25 %"]
     assert rows["stiffness, pN/µm"] == ["30", "20", "10"]
     assert rows["without the mask, pN/µm"] == ["15", "10", "1"]
@@ -67,9 +67,8 @@ def test_optimise_replaces_no_file(command_line, tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--for", "k"), "'k' is not one of"),
         (("--with", "amplitude"), "'amplitude' is not one of"),
-        (("--at-least", "kz"), "must be KEY=VALUE"),
+        (("--at-least", "kz"), "must be key=value, such as kz=5 pN/um"),
     ],
 )
 @pytest.mark.usefixtures("asked")

@@ -22,7 +22,7 @@ def test_stiffness_is_a_commutator_and_hermitian():
 
 
 def test_stiffness_is_the_slope_of_the_moved_force():
-    """By matrix exponentials and a difference of fourth order."""
+    """Matrix exponentials and a difference of fourth order give the same slope."""
     rng = np.random.default_rng(1)
     F, direction = (
         each + each.conj().T

@@ -147,18 +147,27 @@ def settings_of(changes: list[str], **simulation: str | None) -> dict[str, str]:
     `changes` are texts KEY=VALUE. `simulation` has the values of options by key, or None for
     options that are not given. Raises `SceneError` for a key that is given twice.
     """
-    settings: dict[str, str] = {}
-    for change in changes:
-        key, equals, value = change.partition("=")
-        if not equals:
-            raise SceneError(f"--set {change!r}: must be key=value, such as beam.power=80 mW")
-        if (key := key.strip()) in settings:
-            raise SceneError(f"--set {change!r}: {key} is set twice")
-        settings[key] = value.strip()
+    settings = pairs_of("--set", changes, "beam.power=80 mW")
     named = {f"simulation.{key}": value for key, value in simulation.items() if value is not None}
     for key in settings.keys() & named.keys():
         raise SceneError(f"--{key.partition('.')[2]}: {key} is set twice, also by --set")
     return {**settings, **named}
+
+
+def pairs_of(option: str, texts: list[str], example: str) -> dict[str, str]:
+    """Return values by key from the texts KEY=VALUE of an option.
+
+    Raises `SceneError` for other texts and for a key that is given twice. `example` is a text.
+    """
+    found: dict[str, str] = {}
+    for text in texts:
+        key, equals, value = text.partition("=")
+        if not equals:
+            raise SceneError(f"{option} {text!r}: must be key=value, such as {example}")
+        if (key := key.strip()) in found:
+            raise SceneError(f"{option} {text!r}: {key} is set twice")
+        found[key] = value.strip()
+    return found
 
 
 def with_thermal_motion(scene: str | Scene, settings: dict[str, str]) -> Scene:

@@ -14,9 +14,11 @@ from tweezer.cli.app import (
     Quiet,
     SceneName,
     app,
+    pairs_of,
     scene_with,
     settings_of,
 )
+from tweezer.cli.completion import among
 from tweezer.cli.console import (
     begin,
     showing_progress,
@@ -26,7 +28,7 @@ from tweezer.cli.console import (
     write_figure,
 )
 from tweezer.cli.tables import print_shown, print_table
-from tweezer.values.errors import SceneError
+from tweezer.scene.choices import GOALS
 from tweezer.values.shown import Row, Table
 
 if TYPE_CHECKING:
@@ -38,7 +40,12 @@ def optimise(
     scene: SceneName,
     set: Changes = None,
     goal: Annotated[
-        Literal["kx", "ky", "kz", "sum"], typer.Option("--for", help="Stiffness to maximise.")
+        str,
+        typer.Option(
+            "--for",
+            help=f"Stiffness to maximise: {', '.join(GOALS)}.",
+            autocompletion=among(GOALS),
+        ),
     ] = "kx",
     kind: Annotated[
         Literal["field", "phase"],
@@ -66,6 +73,7 @@ def optimise(
     """
     begin(quiet=quiet)
     described = scene_with(scene, settings_of(set or []))
+    least = pairs_of("--at-least", at_least or [], "kz=5 pN/um")
     mask = writable_result(out or Path(f"best-{goal}.npy"), ("npy",), overwrite=overwrite)
     file = writable_result(mask.with_suffix(".toml"), ("toml",), overwrite=overwrite)
     plot = writable_figure(plot, overwrite=overwrite)
@@ -73,7 +81,7 @@ def optimise(
         from tweezer.optics.optimised import optimise as optimised
 
         best = optimised(
-            described, goal, field=kind == "field", at_least=_limits(at_least or []), file=mask,
+            described, goal, field=kind == "field", at_least=least, file=mask,
             overwrite=overwrite,
         )  # fmt: skip
     _write(best, mask, file)
@@ -84,17 +92,6 @@ def optimise(
 
         write_figure(optimum_figure(best, described), plot)
     tell_written(mask, file, plot)
-
-
-def _limits(texts: list[str]) -> dict[str, str]:
-    """Return the smallest stiffnesses by key."""
-    found = {}
-    for text in texts:
-        key, equals, value = text.partition("=")
-        if not equals:
-            raise SceneError(f'--at-least {text!r}: must be KEY=VALUE, such as "kz=5 pN/um"')
-        found[key.strip()] = value.strip()
-    return found
 
 
 def _write(best: Optimum, mask: Path, file: Path) -> None:
@@ -116,7 +113,7 @@ def _rows(best: Optimum) -> list[Row]:
     worth = best.value / best.bound
     return [
         Row(f"gain in {best.goal}", gain),
-        Row("of the largest possible", f"{100 * worth:.4g} %"),
+        Row("part of its upper bound", f"{100 * worth:.4g} %"),
         Row("light that the mask transmits", f"{100 * best.passed:.3g} %"),
     ]
 

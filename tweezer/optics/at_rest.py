@@ -24,8 +24,8 @@ from tweezer.values.arrays import Array
 def at_rest(scene: Scene) -> Equilibrium | None:
     """Return the stable equilibrium of light and weight nearest the focus; None if none exists.
 
-    Light of one round beam that holds no bead near the focus on its axis may hold it off the axis.
-    If it is the same all around the axis, it then holds the bead on a ring, and the result is None.
+    If the light of one beam has no equilibrium on its axis near the focus, positions off the axis
+    are searched too. The result is also None for a ring, on which the bead has no fixed position.
     """
     force, weight = light_force(scene), np.array(bead_properties(scene).weight)
     search = force.search

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tweezer.optics.detection import CHANNELS, Detection, detection
+from tweezer.optics.linear_range import linear_range
 from tweezer.optics.of_scene import before_axis, light
 from tweezer.optics.recoil import recoil
 from tweezer.results.run import variable
@@ -20,8 +21,6 @@ from tweezer.values.version import made_by, versions
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Deviation of a signal from its tangent that ends the linear range, as a part of the displacement
-NONLINEAR = 0.05
 #: Displacement for which the crosstalk is given, m
 DISPLACED = 1e-7
 #: Samples of a wavelength in the medium in the search for the end of the linear range
@@ -160,12 +159,5 @@ def _linear_range(seen: Detection, i: int, at_rest: float, slope: float) -> floa
     displaced = np.concatenate([-distances[::-1], distances])
     signals, _ = seen.along(seen.rest + displaced[:, None] * np.eye(3)[i])
     deviation = np.abs((signals[:, i] - at_rest) / (slope * displaced) - 1)
-    ends = [end]
-    for side in (deviation[: len(distances)][::-1], deviation[len(distances) :]):
-        beyond = np.flatnonzero(side > NONLINEAR)
-        if beyond.size:
-            at = max(int(beyond[0]), 1)
-            ends.append(
-                float(np.interp(NONLINEAR, side[at - 1 : at + 1], distances[at - 1 : at + 1]))
-            )
-    return min(ends)
+    below, above = deviation[: len(distances)][::-1], deviation[len(distances) :]
+    return min(linear_range(side, distances) for side in (below, above))

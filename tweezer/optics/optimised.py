@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -18,23 +18,22 @@ from tweezer.forces.equilibria import Equilibrium
 from tweezer.optics.at_rest import at_rest
 from tweezer.optics.beam import fraction_through_pupil, relative_radius
 from tweezer.optics.binding import light_force, paths_of_light
+from tweezer.optics.linear_range import linear_range
 from tweezer.optics.mask import Mask
 from tweezer.optics.waves.light import Waves
-from tweezer.optics.waves.optimum import Forms, Limits, stiffest
+from tweezer.optics.waves.optimum import Forms, Limits, combined, stiffest
 from tweezer.optics.waves.phases import Phases
 from tweezer.optics.waves.pupil import Pupil
 from tweezer.optics.zernike import gauss, projected, radial_sums, radial_terms
 from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.scene.bead import bead_properties
+from tweezer.scene.choices import GOALS
 from tweezer.scene.interference import interferes
 from tweezer.values.arrays import Array, Complex
 from tweezer.values.errors import SceneError
+from tweezer.values.files import replacing
 from tweezer.values.units import QuantityLike, to_si
 
-#: Weights of the stiffnesses of each goal
-GOALS: dict[str, dict[str, float]] = {
-    "kx": {"x": 1.0}, "ky": {"y": 1.0}, "kz": {"z": 1.0}, "sum": {"x": 1.0, "y": 1.0, "z": 1.0},
-}  # fmt: skip
 #: Pixels along the diameter of the pupil, of a field and of phases for small and large beads
 _PIXELS, _OF_PHASES, _OF_MANY_PHASES = 256, 128, 256
 #: Degree of the bead's partial waves beyond which there are many phases
@@ -47,13 +46,15 @@ _CORRECTIONS, _RADII, _AROUND = 6, 400, 8
 _BESIDE = 16
 #: Largest axial force that remains, as a displacement of the bead in 1/k; rounds until then
 _BALANCED, _ROUNDS = 1e-7, 8
+#: Part by which a stiffness may be below its lower limit: in a field, and in phases
+_BELOW, _BELOW_IN_PHASES = 1e-7, 1e-3
 #: Largest size parameter: the forms grow as its fourth power
 _LARGEST = 60.0
 #: Loss distance of the scene with the mask, whose force costs more the farther the bead is: at
-#: least this, m, and this many radii
-_NEAREST, _DISTANT = 3e-6, 2.0
-#: Deviation from a linear force at which the linear range ends; places and wavelengths searched
-_NONLINEAR, _PLACES, _FARTHEST = 0.05, 200, 1.0
+#: least this, m, this many radii, and this many distances of the start
+_NEAREST, _DISTANT, _BEYOND_START = 3e-6, 2.0, 1.25
+#: Search for the end of the linear range: places and wavelengths
+_PLACES, _FARTHEST = 200, 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,12 +83,14 @@ class Optimum:
     @property
     def value(self) -> float:
         """Goal with the mask, N/m: a stiffness, or the sum of all three."""
-        return _worth(self.goal, self.stiffness)
+        return _worth(self.goal, dict(zip("xyz", self.stiffness, strict=True)))
 
     @property
     def gain(self) -> float | None:
         """Goal with the mask over the goal in the given scene, at equal power; None without one."""
-        return None if self.without is None else self.value / _worth(self.goal, self.without)
+        if self.without is None:
+            return None
+        return self.value / _worth(self.goal, dict(zip("xyz", self.without, strict=True)))
 
 
 def optimise(
@@ -145,13 +148,16 @@ def optimise(
         raise SceneError(f"file = {str(path)!r}: must be a file .npy")
     if path.exists() and not overwrite:
         raise SceneError(f"file = {str(path)!r}: already exists; set overwrite to replace it")
+    if not path.parent.is_dir():
+        raise SceneError(f"file = {str(path)!r}: its folder does not exist; make it first")
     given = checked_scene(scene)
     masked = _masked(given, path, field=field)
     design = _Design(given)
     limits = design.limits(goal, at_least or {})
     before = at_rest(given)
     best = design.best_field(goal, limits) if field else design.best_phase(goal, limits, before)
-    np.save(path, best.mask)
+    with replacing(path) as whole:
+        np.save(whole, best.mask)
     stiffness = tuple(design.unit * best.means[axis] for axis in "xyz")
     return Optimum(
         scene=masked,
@@ -165,11 +171,9 @@ def optimise(
     )
 
 
-def _worth(goal: str, stiffness: Iterable[float]) -> float:
-    """Return the value of a goal for stiffnesses along x, y and z."""
-    return sum(
-        GOALS[goal].get(axis, 0.0) * each for axis, each in zip("xyz", stiffness, strict=True)
-    )
+def _worth(goal: str, stiffness: Mapping[str, float]) -> float:
+    """Return the value of a goal for stiffnesses by axis."""
+    return sum(share * stiffness[axis] for axis, share in GOALS[goal].items())
 
 
 def _masked(scene: Scene, path: Path, *, field: bool) -> Scene:
@@ -188,21 +192,36 @@ def _masked(scene: Scene, path: Path, *, field: bool) -> Scene:
     if shaped:
         raise SceneError(f"beam.{shaped[0]}: optimise requires a beam without it; remove it")
     power = paths_of_light(scene, (beam,))[0].light.cone.power
+    near = max(_NEAREST, _DISTANT * scene.bead.radius)
     return scene.replace(
         beam={
             "mask": str(path), "mask_kind": "field" if field else "phase", "power": None,
             "power_through_pupil": power,
         },
-        simulation={"loss_distance": min(
-            scene.simulation.loss_distance, max(_NEAREST, _DISTANT * scene.bead.radius)
-        )},
+        simulation={"loss_distance": _loss_distance(scene, near)},
     )  # fmt: skip
+
+
+def _loss_distance(scene: Scene, near: float) -> float:
+    """Return a loss distance, m: `near`, or more if the bead starts farther away."""
+    start = float(np.linalg.norm(scene.start_position))
+    return min(scene.simulation.loss_distance, max(near, _BEYOND_START * start))
 
 
 def _passed(given: Scene, masked: Scene) -> float:
     """Return the part of the light within the pupil that a mask transmits."""
     before, after = (fraction_through_pupil(of.lens, of.beam) for of in (given, masked))
     return after / before
+
+
+def _balanced(means: Mapping[str, float], limits: Limits) -> bool:
+    """Return whether the axial force of light is the wanted one."""
+    return abs(means["f"] - limits.force) < _BALANCED * abs(means["z"])
+
+
+def _meets(means: Mapping[str, float], limits: Limits, below: float) -> bool:
+    """Return whether the stiffnesses of light are not below their limits by more than a part."""
+    return all(means[axis] >= level * (1 - below) for axis, level in limits.least.items())
 
 
 class _Best(NamedTuple):
@@ -245,23 +264,41 @@ class _Design:
             if key not in ("kx", "ky", "kz"):
                 raise SceneError(f"at_least: has {key!r}; allowed: kx, ky, kz")
             least[key[1]] = to_si(value, "N/m") / self.unit
+            if least[key[1]] < 0:
+                raise SceneError(f"at_least: {key} = {value} is negative; must be at least 0")
         return Limits(self.force, least)
+
+    def _light(self, goal: str, limits: Limits) -> list[tuple[Forms, Complex, float]]:
+        """Return the best light of each parity that meets the conditions, and its bound.
+
+        Raises `SceneError` if none does.
+        """
+        found = []
+        for forms in self.forms:
+            try:
+                found.append((forms, *stiffest(forms, GOALS[goal], limits)))
+            except SceneError as error:
+                refused = error
+        if not found:
+            raise refused
+        return found
 
     def best_field(self, goal: str, limits: Limits) -> _Best:
         """Return the best field over the pupil, of a modulus up to 1."""
-        found = [stiffest(forms, GOALS[goal], limits) for forms in self.forms]
-        at = max((0, 1), key=lambda i: found[i][1])
-        (z, bound), forms = found[at], self.forms[at]
-        wanted = limits.force
+        forms, z, bound = max(self._light(goal, limits), key=lambda each: each[2])
+        wanted = limits
         for _ in range(_ROUNDS):  # the light of the fine details of pixels exerts no force
             values = self._pixels(forms, z)
             means = forms.means(self._coefficients(forms, values))
-            missed = means["f"] - limits.force
-            if abs(missed) < _BALANCED * means["z"]:
-                break
-            wanted *= limits.force / means["f"]
-            z, _ = stiffest(forms, GOALS[goal], dataclasses.replace(limits, force=wanted))
-        return _Best(means, bound, values)
+            if _balanced(means, limits) and _meets(means, limits, _BELOW):
+                return _Best(means, bound, values)
+            slope = means["f"] / wanted.force if wanted.force else 1.0
+            wanted = Limits(wanted.force + (limits.force - means["f"]) / slope, {
+                axis: wanted.least[axis] + max(level - means[axis], 0.0)
+                for axis, level in limits.least.items()
+            })  # fmt: skip
+            z, _ = stiffest(forms, GOALS[goal], wanted)
+        raise SceneError(f"goal = {goal!r}: no pixels were found that meet the conditions")
 
     def best_phase(self, goal: str, limits: Limits, before: Equilibrium | None) -> _Best:
         """Return the best phase over the pupil that a search finds, rad.
@@ -269,26 +306,24 @@ class _Design:
         One of its starts moves the equilibrium without a mask, if there is one, to the focus.
         """
         pixels = _OF_PHASES if self.degree <= _MANY else _OF_MANY_PHASES
-        best: tuple[float, Mapping[str, float], Array] | None = None
-        bound = -math.inf
-        for odd, forms in enumerate(self.forms):
-            z, of_parity = stiffest(forms, GOALS[goal], limits)
-            bound = max(bound, of_parity)
-            phases = Phases(forms, self._before, pixels, odd=bool(odd))
-            starts = [phases.of(self._drawn(forms, z, pixels))]
-            if before is not None and not odd:
-                starts.append(phases.of(self._moved(forms, before, pixels)))
+        found, light = [], self._light(goal, limits)
+        bound = max(each for _, _, each in light)
+        for forms, z, _ in light:
+            phases = Phases(forms, self._before, pixels)
+            starts = [self._drawn(forms, z, pixels)]
+            if before is not None and not forms.odd:
+                starts.append(self._moved(forms, before, pixels))
             for start in starts:
-                found = phases.stiffest(start, GOALS[goal], limits)
-                light, means = self._balanced(phases, found, limits)
-                worth = _worth(goal, (means[axis] for axis in "xyz"))
-                if min(means[axis] for axis in "xyz") > 0 and (best is None or worth > best[0]):
-                    best = worth, means, np.angle(light)
-        if best is None:
-            raise SceneError(f"goal = {goal!r}: no phase was found that traps the bead")
-        return _Best(best[1], bound, best[2])
+                near = phases.stiffest(phases.of(start), GOALS[goal], limits)
+                values, means = self._rebalanced(phases, near, limits)
+                good = _balanced(means, limits) and _meets(means, limits, _BELOW_IN_PHASES)
+                if good and min(means[axis] for axis in "xyz") > 0:
+                    found.append(_Best(means, bound, np.angle(values)))
+        if not found:
+            raise SceneError(f"goal = {goal!r}: no phase was found that meets the conditions")
+        return max(found, key=lambda each: _worth(goal, each.means))
 
-    def _balanced(
+    def _rebalanced(
         self, phases: Phases, start: Array, limits: Limits
     ) -> tuple[Complex, dict[str, float]]:
         """Return light of phases near a start whose axial force is the wanted one, and its means.
@@ -310,9 +345,9 @@ class _Design:
         for _ in range(_ROUNDS):
             shifts.append(shifts[-1] + step)
             every.append(at(shifts[-1]))
-            missed = every[-1][1]["f"] - limits.force
-            if abs(missed) < _BALANCED * abs(every[-1][1]["z"]):
+            if _balanced(every[-1][1], limits):
                 break
+            missed = every[-1][1]["f"] - limits.force
             slope = (every[-1][1]["f"] - every[-2][1]["f"]) / (shifts[-1] - shifts[-2])
             step = -missed / slope
         return every[-1]
@@ -349,7 +384,7 @@ class _Design:
     def _drawn(self, forms: Forms, z: Complex, pixels: int) -> Complex:
         """Return T at the centres of pixels, (pixels, pixels)."""
         rho = np.linspace(0.0, 1.0, _RADII)
-        return _on_pixels(forms.harmonics(z, self._behind(rho)), forms.orders, pixels)
+        return _on_pixels(combined(forms.functions(self._behind(rho)), z), forms.orders, pixels)
 
     def _moved(self, forms: Forms, place: Equilibrium, pixels: int) -> Complex:
         """Return T that moves light down by the height of an equilibrium, (pixels, pixels)."""
@@ -363,7 +398,7 @@ class _Design:
         """Return pixels with the Zernike terms of T, of a modulus up to 1."""
         nodes, weight = gauss(_RADII)
         nodes, weight = (nodes + 1) / 2, weight / 2
-        harmonics = forms.harmonics(z, self._behind(nodes))
+        harmonics = combined(forms.functions(self._behind(nodes)), z)
         inside = np.abs(forms.orders) <= self.degree
         wanted = np.zeros((self.degree + 1, 2 * self.degree + 1), np.complex128)
         wanted[:, self.degree + forms.orders[inside]] = radial_terms(
@@ -399,23 +434,19 @@ def _on_pixels(harmonics: Complex, orders: NDArray[np.int64], pixels: int) -> Co
 
 def _linear_range(scene: Scene, stiffness: tuple[float, ...]) -> tuple[float, ...]:
     """Return the displacement from the focus at which the force is nonlinear by 5 %, (3,) m."""
-    force = light_force(
-        scene.replace(simulation={"loss_distance": _FARTHEST * scene.beam.wavelength})
-    )
     wavelength = scene.beam.wavelength / scene.medium.refractive_index
+    near = _loss_distance(scene, _FARTHEST * wavelength)
+    force = light_force(scene.replace(simulation={"loss_distance": near}))
     distances = np.linspace(0.0, _FARTHEST * wavelength, _PLACES + 1)
     in_focus = force.field(np.zeros((1, 3))).force
 
     def along(i: int) -> float:
         """Return the smaller distance of both directions."""
-        ends = [float(distances[-1])]
+        ends = []
         for way in (distances[1:], -distances[1:]):
             pull = force.field(way[:, None] * np.eye(3)[i]).force[:, i] - in_focus[0, i]
             deviation = np.concatenate([[0.0], np.abs(pull / (-stiffness[i] * way) - 1)])
-            beyond = np.flatnonzero(deviation > _NONLINEAR)
-            if beyond.size:
-                near = slice(beyond[0] - 1, beyond[0] + 1)
-                ends.append(float(np.interp(_NONLINEAR, deviation[near], distances[near])))
+            ends.append(linear_range(deviation, distances))
         return min(ends)
 
     return tuple(along(i) for i in range(3))

@@ -13,6 +13,10 @@ from typing import Any
 
 #: Number of poles of the hydrodynamic memory for a run without a tolerance
 POLES = 24
+#: Goals of an optimal mask: weights of the trap stiffnesses along axes
+GOALS: dict[str, dict[str, float]] = {
+    "kx": {"x": 1.0}, "ky": {"y": 1.0}, "kz": {"z": 1.0}, "sum": {"x": 1.0, "y": 1.0, "z": 1.0},
+}  # fmt: skip
 #: Results that a sweep can compute for every case
 SWEPT = ("trap", "run", "ensemble", "calibrate")
 

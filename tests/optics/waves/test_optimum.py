@@ -101,7 +101,7 @@ def test_lower_limits_are_met(forms):
 
 def test_slopes_over_phases_are_differences(light, forms):
     of = forms[1]
-    phases = Phases(of, light.pupil.radius, 32, odd=True)
+    phases = Phases(of, light.pupil.radius, 32)
     start = np.random.default_rng(3).uniform(-1, 1, phases.half)
     form = of.stiffness["z"]
 
@@ -147,6 +147,8 @@ def test_trap_of_the_written_scene_is_the_predicted_one(field, tmp_path):
         ({}, {"goal": "k"}, "goal = 'k': must be one of kx, ky, kz, sum"),
         ({}, {"file": "mask.png"}, "must be a file .npy"),
         ({}, {"at_least": {"z": 1.0}}, "at_least: has 'z'; allowed: kx, ky, kz"),
+        ({}, {"at_least": {"kz": -1.0}}, "at_least: kz = -1.0 is negative; must be at least 0"),
+        ({}, {"file": "nowhere/mask.npy"}, "its folder does not exist; make it first"),
         ({}, {"at_least": {"kz": 1.0}}, "optimise: no light meets the limits"),
         ({"forces": {"optical": False}}, {}, "optimise: requires light in wave optics"),
         ({"optics": {"theory": "rays"}}, {}, "optimise: requires light in wave optics"),
@@ -171,3 +173,16 @@ def test_a_file_is_kept(tmp_path):
     with pytest.raises(SceneError, match="already exists; set overwrite"):
         tweezer.optimise(SCENE, file=file)
     assert file.read_text() == "mine"
+
+
+def test_pixels_meet_lower_limits_and_the_start_may_be_far_away(light, forms, tmp_path):
+    """The light of the details of pixels, which exerts no force, is compensated."""
+    far = SCENE.replace(start={"position": [0, 0, 4e-6]})
+    free = max(
+        (each.means(stiffest(each, {"x": 1.0}, Limits(0.0, {}))[0]) for each in forms),
+        key=lambda means: means["x"],
+    )
+    least = 1.02 * free["z"] * light.strength * light.wavenumber
+    best = tweezer.optimise(far, "kx", file=tmp_path / "mask.npy", at_least={"kz": least})
+    np.testing.assert_allclose(best.stiffness[2], least, rtol=2e-6)
+    np.testing.assert_allclose(best.scene.simulation.loss_distance, 5e-6)

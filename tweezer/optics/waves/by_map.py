@@ -152,6 +152,7 @@ def _in_units(of_bead: Waves) -> Waves:
         of_bead.of_radius(of_bead.size_parameter),
         wavenumber=1.0,
         momentum_per_energy=1 / of_bead.cone.power,
+        ends=math.inf,
     )
 
 

@@ -145,7 +145,9 @@ def _in_units(path: Path, k: float, power: float) -> Path:
     own = path.light.of_radius(k * path.light.radius)
     return dataclasses.replace(
         path,
-        light=dataclasses.replace(own, wavenumber=1.0, momentum_per_energy=1 / power),
+        light=dataclasses.replace(
+            own, wavenumber=1.0, momentum_per_energy=1 / power, ends=math.inf
+        ),
         place=Course.constant(*(k * path.place.at(0.0))),
         mirror=None if path.mirror is None else k * path.mirror,
     )

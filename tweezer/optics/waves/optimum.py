@@ -78,12 +78,12 @@ class Forms:
 
     Attributes
     ----------
+    odd : bool
+        Whether the orders are odd.
     orders : ndarray, shape (orders,)
         Orders q of the harmonics of the light over the azimuth: even, or odd.
     nodes, power : ndarray, shape (nodes,)
         1 - cos(theta) of nodes behind the lens, and the power of each for T = 1 and 1 W.
-    counts : list of int
-        Number of the coefficients z of each order.
     highest : int
         Highest degree of the partial waves that the bead scatters or couples to those.
     stiffness : dict of ndarray, shape (n, n)
@@ -103,7 +103,7 @@ class Forms:
         odd : bool
             Whether the orders are odd.
         """
-        self.light = light
+        self.light, self.odd = light, odd
         a, b = sphere(light, _SMALL)
         self.highest = len(a) + 1
         self.nodes, self.power = self.rule(self.highest + _MORE_NODES)
@@ -115,7 +115,6 @@ class Forms:
         felt = [len(s) > 0 for _, s in decomposed]  # circular light has fewer orders
         self.orders = self.orders[felt]
         self._singular = [each for each, kept in zip(decomposed, felt, strict=True) if kept]
-        self.counts = [len(s) for _, s in self._singular]
         self._known = self.functions(self.nodes)
         B = self._basis()
         T = self._scattering(a, b)
@@ -237,24 +236,31 @@ class Forms:
 
     def coefficients(self, harmonics: ComplexArray) -> ComplexArray:
         """Return z of light with harmonics t_q (orders, nodes) of T at the nodes."""
-        return np.concatenate([
-            known.conj() @ (each * self.power)
-            for known, each in zip(self._known, harmonics, strict=True)
-        ])  # fmt: skip
-
-    def harmonics(self, z: ComplexArray, below: Array | None = None) -> ComplexArray:
-        """Return harmonics t_q of T, (orders, n), at 1 - cos(theta) = `below` behind the lens.
-
-        Without `below`, they are at the nodes.
-        """
-        of_orders = np.split(z, np.cumsum(self.counts)[:-1])
-        functions = self._known if below is None else self.functions(below)
-        return np.stack([each @ known for each, known in zip(of_orders, functions, strict=True)])
+        return projected_on(self._known, self.power, harmonics)
 
     def means(self, z: ComplexArray) -> dict[str, float]:
         """Return the axial force "f", n_m P/c, and stiffnesses "x", "y", "z", k n_m P/c."""
         forms = {"f": self.force, **self.stiffness}
         return {name: float(np.vdot(z, form @ z).real) for name, form in forms.items()}
+
+
+def projected_on(
+    functions: Sequence[ComplexArray], power: Array, harmonics: ComplexArray
+) -> ComplexArray:
+    """Return z of light with harmonics t_q (orders, nodes) of T.
+
+    `functions` are those of `Forms.functions` at the nodes, and `power` (nodes,) is that of each.
+    """
+    weighted = harmonics * power
+    return np.concatenate([
+        known.conj() @ each for known, each in zip(functions, weighted, strict=True)
+    ])  # fmt: skip
+
+
+def combined(functions: Sequence[ComplexArray], z: ComplexArray) -> ComplexArray:
+    """Return harmonics t_q of T, (orders, nodes), with coefficients z of `Forms.functions`."""
+    of_orders = np.split(z, np.cumsum([len(each) for each in functions])[:-1])
+    return np.stack([each @ known for each, known in zip(of_orders, functions, strict=True)])
 
 
 def stiffest(

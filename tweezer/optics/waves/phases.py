@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from tweezer.optics.waves.optimum import Forms, Limits
+from tweezer.optics.waves.optimum import Forms, Limits, combined, projected_on
 from tweezer.values.arrays import Array
 
 ComplexArray = NDArray[np.complex128]
@@ -33,24 +33,21 @@ _PENALTY, _STIFFER = 10.0, 3.0
 class Phases:
     """Phases of pixels over the pupil, and force and stiffness in their light."""
 
-    def __init__(
-        self, forms: Forms, radius: Callable[[Array], Array], pixels: int, *, odd: bool
-    ) -> None:
+    def __init__(self, forms: Forms, radius: Callable[[Array], Array], pixels: int) -> None:
         """Prepare the sums over the pupil.
 
         Parameters
         ----------
         forms : Forms
-            Force and stiffness as forms, for orders that are odd or even as the phases.
+            Force and stiffness as forms. If their orders are odd, half a turn about the centre
+            changes the sign of the light.
         radius : callable
             Function from 1 - cos(theta) behind the lens to the distance from the axis, in pupil
             radii.
         pixels : int
             Even number of pixels along the diameter of the pupil.
-        odd : bool
-            Whether half a turn about the centre changes the sign of the light.
         """
-        self.forms, self.pixels, self.odd = forms, pixels, odd
+        self.forms, self.pixels = forms, pixels
         self.azimuths = _AZIMUTHS * pixels
         below, self.power = forms.rule(_RADII * pixels)
         self.functions, rho = forms.functions(below), radius(below)
@@ -70,7 +67,7 @@ class Phases:
     def light(self, phases: Array) -> ComplexArray:
         """Return T of all pixels, (pixels, pixels), from the phases of one half."""
         own = np.exp(1j * phases)
-        turned = own[::-1] * (-1.0 if self.odd else 1.0)
+        turned = own[::-1] * (-1.0 if self.forms.odd else 1.0)
         return np.concatenate([own, turned]).reshape(self.pixels, self.pixels)
 
     def of(self, light: ComplexArray) -> Array:
@@ -80,18 +77,12 @@ class Phases:
     def coefficients(self, light: ComplexArray) -> ComplexArray:
         """Return z of light (pixels, pixels), with each node in one of the pixels."""
         around = np.fft.fft(light.ravel()[self.at], axis=1)[:, self.forms.orders]
-        harmonics = (around * self.shift).T * self.power
-        return np.concatenate([
-            known.conj() @ each for known, each in zip(self.functions, harmonics, strict=True)
-        ])  # fmt: skip
+        return projected_on(self.functions, self.power, (around * self.shift).T)
 
     def _back(self, z: ComplexArray) -> ComplexArray:
         """Return the adjoint of `coefficients` by node and azimuth, (nodes, azimuths)."""
         series = np.zeros((len(self.power), self.azimuths), np.complex128)
-        of_orders = np.split(z, np.cumsum(self.forms.counts)[:-1])
-        harmonics = self.power * np.stack([
-            each @ known for each, known in zip(of_orders, self.functions, strict=True)
-        ])  # fmt: skip
+        harmonics = self.power * combined(self.functions, z)
         series[:, self.forms.orders] = harmonics.T * self.shift.conj()
         return np.asarray(np.fft.ifft(series, axis=1, norm="forward"))
 
