@@ -249,7 +249,7 @@ def projected_on(
 ) -> ComplexArray:
     """Return z of light with harmonics t_q (orders, nodes) of T.
 
-    `functions` are those of `Forms.functions` at the nodes, and `power` (nodes,) is that of each.
+    `functions` are values of `Forms.functions` at the nodes, and `power` (nodes,) is their power.
     """
     weighted = harmonics * power
     return np.concatenate([
