@@ -67,7 +67,7 @@ def test_optimise_replaces_no_file(command_line, tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--with", "amplitude"), "'amplitude' is not one of"),
+        (("--with", "amplitude"), "--with 'amplitude': must be field or phase"),
         (("--at-least", "kz"), "must be key=value, such as kz=5 pN/um"),
     ],
 )

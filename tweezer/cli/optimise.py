@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -29,10 +29,15 @@ from tweezer.cli.console import (
 )
 from tweezer.cli.tables import print_shown, print_table
 from tweezer.scene.choices import GOALS
+from tweezer.values.errors import SceneError
 from tweezer.values.shown import Row, Table
 
 if TYPE_CHECKING:
     from tweezer.optics.optimised import Optimum
+
+
+#: What a mask sets
+_KINDS = ("field", "phase")
 
 
 @app.command()
@@ -48,8 +53,12 @@ def optimise(
         ),
     ] = "kx",
     kind: Annotated[
-        Literal["field", "phase"],
-        typer.Option("--with", help="Mask of amplitude and phase, or of the phase alone."),
+        str,
+        typer.Option(
+            "--with",
+            help="Mask of amplitude and phase (field), or of the phase alone (phase).",
+            autocompletion=among(_KINDS),
+        ),
     ] = "field",
     at_least: Annotated[
         list[str] | None,
@@ -73,6 +82,8 @@ def optimise(
     """
     begin(quiet=quiet)
     described = scene_with(scene, settings_of(set or []))
+    if kind not in _KINDS:
+        raise SceneError(f"--with {kind!r}: must be {' or '.join(_KINDS)}")
     least = pairs_of("--at-least", at_least or [], "kz=5 pN/um")
     mask = writable_result(out or Path(f"best-{goal}.npy"), ("npy",), overwrite=overwrite)
     file = writable_result(mask.with_suffix(".toml"), ("toml",), overwrite=overwrite)

@@ -263,7 +263,10 @@ class _Design:
         for key, value in at_least.items():
             if key not in ("kx", "ky", "kz"):
                 raise SceneError(f"at_least: has {key!r}; allowed: kx, ky, kz")
-            least[key[1]] = to_si(value, "N/m") / self.unit
+            try:
+                least[key[1]] = to_si(value, "N/m") / self.unit
+            except ValueError as error:
+                raise SceneError(f"at_least: {key} = {value!r}: {error}") from None
             if least[key[1]] < 0:
                 raise SceneError(f"at_least: {key} = {value} is negative; must be at least 0")
         return Limits(self.force, least)

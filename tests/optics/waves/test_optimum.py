@@ -148,6 +148,7 @@ def test_trap_of_the_written_scene_is_the_predicted_one(field, tmp_path):
         ({}, {"file": "mask.png"}, "must be a file .npy"),
         ({}, {"at_least": {"z": 1.0}}, "at_least: has 'z'; allowed: kx, ky, kz"),
         ({}, {"at_least": {"kz": -1.0}}, "at_least: kz = -1.0 is negative; must be at least 0"),
+        ({}, {"at_least": {"kz": "5"}}, "at_least: kz = '5': has no unit"),
         ({}, {"file": "nowhere/mask.npy"}, "its folder does not exist; make it first"),
         ({}, {"at_least": {"kz": 1.0}}, "optimise: no light meets the limits"),
         ({"forces": {"optical": False}}, {}, "optimise: requires light in wave optics"),
