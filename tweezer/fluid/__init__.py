@@ -6,6 +6,7 @@ from tweezer.fluid.binding import drag, left_out_of_walls
 from tweezer.fluid.drag import Drag, Mobility, Stokes, Walls, by_axis, stokes
 from tweezer.fluid.memory import Modes, drag_at, enough_poles, modes, other_poles, single
 from tweezer.fluid.mobilities import wall_mobilities
+from tweezer.fluid.network import Decays, Network
 from tweezer.fluid.reflection import LOWEST, Memory, memory_beside, memory_far, steady
 from tweezer.fluid.resisted import Resisted
 from tweezer.fluid.wall import BesideWall
@@ -13,10 +14,12 @@ from tweezer.fluid.wall import BesideWall
 __all__ = [
     "LOWEST",
     "BesideWall",
+    "Decays",
     "Drag",
     "Memory",
     "Mobility",
     "Modes",
+    "Network",
     "Resisted",
     "Stokes",
     "Walls",
