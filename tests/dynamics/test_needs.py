@@ -77,6 +77,7 @@ def as_it_is(problem):
 THIN = {
     "medium": {"name": "air", "pressure": "1 mbar"}, "lens": {"numerical_aperture": 0.8},
 }  # fmt: skip
+LEVITATED = {"bead": {"diameter": "150 nm"}, "beam": {"polarisation": "linear"}}
 OVERDAMPED = with_method("heun", model="overdamped")
 #: changes of silica-1um, forces, a change of the problem; motion and row that it reaches
 FORGOTTEN = [
@@ -136,7 +137,8 @@ def test_sphere_in_bulk_may_have_memory(changes):
 @pytest.mark.parametrize(
     ("changes", "changed", "model", "method"),
     [
-        ((THERMAL,), as_it_is, 0, 5),
+        ((THERMAL,), as_it_is, 0, 6),
+        ((THERMAL, THIN, LEVITATED), as_it_is, 0, 5),
         ((DARK, ROD), as_it_is, 0, 4),
         ((DARK,), by_place, 1, 3),
         ((THERMAL, NEAR), as_it_is, 1, 2),

@@ -83,6 +83,10 @@ class Bound(Protocol):
         """Stable pose nearest the focus of a body that is no sphere, or None."""
 
     @property
+    def effective_mass(self) -> float:
+        """Mass of the bead with the added mass of the fluid, kg."""
+
+    @property
     def emitted(self) -> ModuleType:
         """Emitted module of the equations of motion."""
 
@@ -176,6 +180,21 @@ class Facts:
         return self.problem.drag.uniform and np.ptp(self.problem.mobility[TRANSLATION]) == 0
 
     @property
+    def oscillates(self) -> bool:
+        """Whether a sphere oscillates in a medium without memory: 4 tau kappa > 1 along an axis.
+
+        tau is the relaxation time of the velocity, and kappa is stiffness over drag.
+        """
+        problem, scene = self.problem, self.problem.scene
+        forgets = scene.rarefied or scene.medium.inertia in ("none", "added-mass")
+        if not (forgets and self.model.inertia and self.even) or problem.force.oriented:
+            return False
+        tau = problem.effective_mass * problem.mobility[0] / (scene.simulation.scaling_factor or 1)
+        trap = problem.equilibrium
+        rates = np.zeros(1) if trap is None else np.diag(rates_of(trap, problem.mobility))
+        return bool(4 * tau * rates.max() > 1)
+
+    @property
     def coupled(self) -> bool:
         """Whether the trap couples the axes."""
         trap = self.problem.equilibrium
@@ -219,6 +238,8 @@ CHOICES = (
            lambda its: its.walls),
     Choice("method", "euler-maruyama", "the drag depends on the place", lambda its: its.by_place),
     Choice("method", "heun", "steps on the group of poses, weak order 2", lambda its: its.body),
+    Choice("method", "kick", "the bead oscillates, and the steps keep its energy",
+           lambda its: its.oscillates),
     Choice("method", "heun", "exact drag and noise, weak order 2"),
 )  # fmt: skip
 

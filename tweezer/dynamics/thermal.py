@@ -34,8 +34,6 @@ from tweezer.values.errors import SceneError
 
 #: Step over the fastest time scale of the force
 _PART = 0.2
-#: Step over the time of a swing, sqrt(m/k), where that is longer: 63 steps a period
-_PART_OF_SWING = 0.1
 #: Largest error of the variance by the step, where the step follows it
 _BIAS = 0.005
 #: Step over the relaxation time, for methods that must resolve it
@@ -210,8 +208,10 @@ def _limits_of_any_step(problem: Problem, linear: Linearised) -> Iterator[tuple[
         if linear.modes is not None:
             yield longest_step(camera, linear.modes, _BIAS), "for inertia in the frames"
     fastest = float(linear.diffusion[TRANSLATION].max())
-    way = (_PART_OF_LOSS * simulation.loss_distance) ** 2 / (2 * fastest)
-    yield way, f"diffusion over {_PART_OF_LOSS:g} of simulation.loss_distance"
+    way = _PART_OF_LOSS * simulation.loss_distance
+    # <x^2> is at most 2 D t, and with inertia at most kT/m t^2
+    diffuses, flies = way**2 / (2 * fastest), way * math.sqrt(linear.tau[0] / fastest)
+    yield max(diffuses, flies), f"thermal motion over {_PART_OF_LOSS:g} of simulation.loss_distance"
     if linear.method.spring_only and _reaches_loss(problem, linear):
         some = f"{_PART:g} of the time of the trap, for the times of loss"
         yield _PART / float(kappa[TRANSLATION].max()), some
@@ -231,10 +231,8 @@ def _limits_of_forces(problem: Problem, linear: Linearised) -> Iterator[tuple[fl
     rate = max(float(np.quantile(about, _MOST)), float(np.abs(linear.kappa).max()))
     if rate > 0 and not linear.method.spring_only:
         decay = _PART / rate, f"{_PART:g} of the fastest time scale of the force"
-        swing = (
-            _PART_OF_SWING * math.sqrt(tau[0] / rate),
-            f"{_PART_OF_SWING:g} of the time of a swing",
-        )
+        part = Facts(problem).scheme.part_of_swing
+        swing = part * math.sqrt(tau[0] / rate), f"{part:g} of the time of a swing"
         yield max(decay, swing)  # at low damping the force acts as fast as a bead swings
     if linear.bias > 0:
         some = f"{100 * _BIAS:g} % of the variance, as the force is not a gradient"

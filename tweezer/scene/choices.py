@@ -203,6 +203,8 @@ METHODS: dict[str, Method] = _by_name(
                         "full": f"{_SCHEMES}.wall_with_inertia:HEUN"},
            bodies={"full": f"{_SCHEMES}.body_with_inertia:HEUN",
                    "overdamped": f"{_SCHEMES}.body:TRAPEZOID"}),
+    Method("kick", "kicks between exact swings; the choice of auto at low damping",
+           f"{_SCHEMES}.kick:KICK", thermal=True, models=("full", "scaled"), uniform_drag=True),
     Method("one-call", "one force evaluation per step, for distributions",
            f"{_SCHEMES}.one_call:ONE_CALL",
            thermal=True, displacements=False, uniform_drag=True, memory=True,

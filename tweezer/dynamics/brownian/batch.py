@@ -290,6 +290,10 @@ class Scheme(NamedTuple):
     """whether a step reads the slow velocity that the step before left"""
     resolves_drag: bool = False
     """whether its steps must be shorter than the relaxation times"""
+    swings: int = 1
+    """number of parts of a step with random numbers of their own"""
+    part_of_swing: float = 0.1
+    """its step over the time of a swing, sqrt(m/k), at low damping: 63 steps a period"""
     data: Callable[[Walls, float], Data] | None = None
     """for a scheme beside walls, a function of the walls and kT, J, which returns the data that its
     step reads in place of a drag

@@ -80,6 +80,7 @@ def steps(scheme: Scheme, layout: Layout) -> Steps:
     draws = 3 if diffuses else dims
     if inertial and scheme.noise_of_position:
         draws *= 2
+    draws *= scheme.swings
     draws += scheme.beside_wall
     turn = 0
     if spheres:
