@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from . import bodies, media, ray, spline, water, waves
+from . import bodies, heat, media, ray, spline, water, waves
 from . import body_motion as bm
 from . import drag as dg
 from . import euler_parameters as ep
@@ -1213,6 +1213,65 @@ def _media() -> Module:
     )
 
 
+def _heat() -> Module:
+    return Module(
+        "heat",
+        "Heating by the laser, and the motion of a hot bead.",
+        "Peterman, Gittes and Schmidt (2003) for water, Rings et al. (2010) for hot Brownian "
+        "motion,\nIAPWS SR6-08(2011) for the conductivity.",
+        (),
+        (),
+        (
+            Function(
+                "conductivity",
+                "Thermal conductivity of liquid water.",
+                _scalars((sy.TEMPERATURE,)),
+                sp.Matrix([heat.conductivity]),
+                ((sy.LOG_TEMPERATURE, water.LOG_TEMPERATURE),),
+                ("conductivity",),
+            ),
+            Function(
+                "water_rise",
+                "Temperature rise of a fluid at the focus, beside a plane that conducts heat.",
+                _scalars(
+                    (
+                        sy.LIGHT_POWER,
+                        sy.ABSORPTION,
+                        sy.CONDUCTIVITY,
+                        sy.WAVELENGTH,
+                        sy.SINK_DISTANCE,
+                    )
+                ),
+                sp.Matrix([heat.water_rise]),
+                output_names=("rise",),
+            ),
+            Function(
+                "bead_rise",
+                "Temperature rise of a sphere that absorbs light, far from walls.",
+                _scalars((sy.LIGHT_POWER, sy.CONDUCTIVITY, sy.RADIUS)),
+                sp.Matrix([heat.bead_rise]),
+                output_names=("rise",),
+            ),
+            Function(
+                "dissipation",
+                "Dissipation of two flows about a sphere, per viscosity, 6 pi r and du.",
+                _scalars((sy.NEARNESS, *sy.FLOW_SLOPES, *sy.FLOW_CURVATURES)),
+                sp.Matrix([heat.dissipation]),
+                output_names=("dissipation",),
+            ),
+            Function(
+                "hot_in_gas",
+                "Drag over that of a bead as warm as the gas, and temperature of its motion.",
+                _scalars((sy.ACCOMMODATION, sy.TEMPERATURE, sy.SURFACE_TEMPERATURE)),
+                sp.Matrix([heat.hot_drag, heat.hot_temperature]),
+                output_names=("drag", "temperature"),
+            ),
+        ),
+        ("heat.py",),
+        jit_options=None,
+    )
+
+
 @functools.cache
 def catalogue() -> tuple[Module, ...]:
     """Every module of `generated/`, derived once in a program."""
@@ -1232,4 +1291,5 @@ def catalogue() -> tuple[Module, ...]:
         _spline(),
         _water(),
         _media(),
+        _heat(),
     )

@@ -406,3 +406,19 @@ REFRACTION = _quantity(
 LOG_FRACTION = _quantity("log_w", "1", "ln of the mass fraction")
 LOG_SINE = _quantity("log_sine", "1", "ln sin(pi w^1.31)")
 LOG_REDUCED = _quantity("log_e", "1", "ln(T/epsilon)")
+
+# --- heat -----------------------------------------------------------------------------------------
+LIGHT_POWER = _quantity("P", "W", "power of the light, or its part that the bead absorbs",
+                        positive=True)  # fmt: skip
+ABSORPTION = _quantity("absorption", "1/m", "absorption coefficient of the fluid", positive=True)
+CONDUCTIVITY = _quantity("conductivity", "W/(m K)", "thermal conductivity", positive=True)
+SINK_DISTANCE = _quantity("depth", "m", "distance of the focus from the glass", positive=True)
+SURFACE_TEMPERATURE = _quantity("T_s", "K", "temperature of the bead's surface", positive=True)
+NEARNESS = _quantity("u", "1", "radius over the distance from the centre", positive=True)
+FLOW_SLOPES = (
+    _quantity("slope", "1", "dg/du of a flow"), _quantity("other_slope", "1", "dg/du of another")
+)  # fmt: skip
+FLOW_CURVATURES = (
+    _quantity("curvature_u", "1", "d^2g/du^2 of a flow"),
+    _quantity("other_curvature_u", "1", "d^2g/du^2 of another"),
+)
