@@ -65,7 +65,7 @@ COMMANDS = {
 }  # fmt: skip
 #: pages of the keys of a scene: title and sections
 KEYS = {
-    "scenes.md": ("Scene files", "bead medium lens beam"),
+    "scenes.md": ("Scene files", "bead medium heat lens beam"),
     "scenes-motion.md": (
         "Scene files: motion and computation",
         "start wall mirror forces camera detector optics simulation",

@@ -15,6 +15,7 @@ from tweezer.calibration.setup import Setup
 from tweezer.fluid.medium import medium
 from tweezer.optics.detected import linear_ranges
 from tweezer.optics.detection import CHANNELS, Detection, detection
+from tweezer.optics.heat import heated
 from tweezer.optics.waves.band_limited import InBox
 from tweezer.reading.recording import Recording
 from tweezer.scene import Scene
@@ -59,7 +60,7 @@ def from_signals(recording: Recording, scene: Scene) -> Recording:
         For a recording without all three signals, and one in which the bead leaves the range in
         which the signals determine its position.
     """
-    seen, name = detection(scene), recording.name
+    seen, name = detection(heated(scene)), recording.name
     if recording.unit == "m" or recording.axes != CHANNELS:
         raise ResultError(
             f"{name}: --scene requires the signals x, y and z of its detector; give a run with a "
@@ -86,13 +87,14 @@ def from_signals(recording: Recording, scene: Scene) -> Recording:
 
 def completed(setup: Setup, scene: Scene) -> Setup:
     """Return a setup with bead and medium of a scene where they are not given."""
+    scene = heated(scene)
     fluid = scene.medium
     drag, given = setup.drag, (setup.drag, setup.radius, setup.viscosity)
-    if fluid.name in GASES and given == (None, None, None):
+    if (fluid.name in GASES or scene.heat is not None) and given == (None, None, None):
         drag = bead_properties(scene).drag
     return dataclasses.replace(
         setup,
-        temperature=fluid.temperature if setup.temperature is None else setup.temperature,
+        temperature=scene.noise_temperature if setup.temperature is None else setup.temperature,
         drag=drag,
         radius=scene.bead.radius if setup.radius is None else setup.radius,
         viscosity=fluid.viscosity if setup.viscosity is None else setup.viscosity,

@@ -11,6 +11,7 @@ from tweezer.calibration.inertia import Inertia
 from tweezer.calibration.left_out import LeftOut
 from tweezer.calibration.spectra import TrappedBead
 from tweezer.calibration.wall import ACROSS, Height
+from tweezer.optics.heat import heated
 from tweezer.reading.recording import Recording
 from tweezer.scene.arguments import in_si
 from tweezer.scene.bead import bead_properties
@@ -131,12 +132,13 @@ class Setup:
                 raise ResultError(
                     f"{name}: simulated without thermal motion, so there is nothing to calibrate"
                 )
+            scene = heated(scene)
             on_the_way = given["drag"] is None and self.wall is None
             mass, fluid = Inertia.of(scene).masses(scene)
             if given["displaced_mass"] is None:
                 poles = scene.medium.poles or poles
             of_scene = {
-                "temperature": scene.medium.temperature, "drag": bead_properties(scene).drag,
+                "temperature": scene.noise_temperature, "drag": bead_properties(scene).drag,
                 "mass": mass, "displaced_mass": fluid, "radius": scene.bead.radius,
                 "viscosity": scene.medium.viscosity,
             }  # fmt: skip

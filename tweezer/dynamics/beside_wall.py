@@ -55,7 +55,7 @@ def towards(problem: Problem, walls: Walls) -> Towards:
     scene = problem.scene
     trap = problem.equilibrium
     middle = np.array(scene.start_position if trap is None else trap.position)
-    radius, kT = walls.radius, Boltzmann * scene.medium.temperature
+    radius, kT = walls.radius, Boltzmann * scene.noise_temperature
     position, normal = walls.planes[0]
     at = normal * (middle[2] - position) / radius - 1
     most = at + _AROUND if trap is not None else 2 * at + _AROUND

@@ -208,7 +208,7 @@ def _escape(
         range=end,
         energy=energy,
         energy_error=energy_error,
-        energy_kT=energy / (Boltzmann * scene.medium.temperature),
+        energy_kT=energy / (Boltzmann * scene.noise_temperature),
         wall_at=wall_at if end is None else None,
         faint_at=faint_at,
     )

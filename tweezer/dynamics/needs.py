@@ -134,7 +134,7 @@ class Facts:
     @property
     def gyroscopic(self) -> bool:
         """Whether a body's gyroscopic force, which its steps leave out, changes thermal motion."""
-        body, temperature = self.problem.body, self.problem.scene.medium.temperature
+        body, temperature = self.problem.body, self.problem.scene.noise_temperature
         if body is None or not self.model.inertia:
             return False
         turns = Boltzmann * temperature * np.linalg.eigvalsh(body.mobility[ROTATION, ROTATION])

@@ -24,6 +24,7 @@ from tweezer.fluid.resistance.of_scene import resistance
 from tweezer.optics import Beams, LightForce, light_force
 from tweezer.optics.bodies.by_sums import derivative_of
 from tweezer.optics.bodies.shapes import t_matrix
+from tweezer.optics.heat import heated
 from tweezer.scene import Scene
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
@@ -211,7 +212,7 @@ class PoseSearch:
     """
 
     def __init__(self, scene: Scene, time: float = 0.0) -> None:
-        self.scene = scene
+        self.scene = scene = heated(scene)
         self.light: LightForce | Beams = light_force(scene)
         self.body = t_matrix(scene)
         self.length = self.body.radius

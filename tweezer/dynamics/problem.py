@@ -34,7 +34,8 @@ from tweezer.forces.rings import Motion, Ring, off_axis, rings
 from tweezer.forces.sites import starts
 from tweezer.forces.wall import CLOSEST, Contact, Dlvo
 from tweezer.optics import Beams, LightForce, light_force
-from tweezer.scene import Scene, SceneLike, checked_scene
+from tweezer.optics.heat import heated
+from tweezer.scene import Scene, SceneLike
 from tweezer.scene.bead import BeadProperties, bead_properties
 from tweezer.scene.choices import MODELS, POLES
 from tweezer.scene.interference import bounds
@@ -447,7 +448,7 @@ class Problem:
 
     def changed(self, **simulation: Any) -> Problem:
         """Return a copy of this problem, with these values for keys of the scene's `simulation`."""
-        return dataclasses.replace(self, scene=self.scene.replace(simulation=simulation))
+        return dataclasses.replace(self, scene=heated(self.scene.replace(simulation=simulation)))
 
     def remembering(self, poles: int) -> Problem:
         """Return a copy of this problem in a fluid with hydrodynamic memory of `poles` poles.
@@ -474,7 +475,7 @@ def bound_once(scene: SceneLike | Problem, others: Sequence[Force | str] = ()) -
     if isinstance(scene, Problem):
         return scene
     forces = forces_of(others)
-    scene = checked_scene(scene)
+    scene = heated(scene)
     body = body_motion(scene)
     bead = bead_properties(scene) if body is None else properties_of_body(scene, body)
     walls = _forces_of_walls(scene, bead)

@@ -122,7 +122,7 @@ class Linearised:
         scene, walls = problem.scene, problem.drag.walls
         dims = 6 if problem.rotates else 3
         method = METHODS[scene.simulation.method]
-        kT = Boltzmann * scene.medium.temperature
+        kT = Boltzmann * scene.noise_temperature
         mobility = problem.mobility[:dims]
         if problem.body is not None:
             mobility = thermal_body.largest_mobilities(problem.body)
@@ -302,5 +302,5 @@ def _rate_of_drag(problem: Problem) -> float:
     value, gradient = problem.drag.mobilities(places.reshape(-1, 3), gradient=True)
     b, change = value[:, :2], np.linalg.norm(gradient[:, :2], axis=2)
     there = (b > 0).all(axis=1)  # behind a wall there is no mobility
-    kT = Boltzmann * problem.scene.medium.temperature
+    kT = Boltzmann * problem.scene.noise_temperature
     return float((2 * kT * change[there] ** 2 / b[there]).max(initial=0.0))

@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from tweezer.scene import SceneLike, checked_scene
+from tweezer.optics.heat import heated
+from tweezer.scene import SceneLike
 from tweezer.scene.bead import bead_properties
-from tweezer.scene.media import MEDIA, Properties
+from tweezer.scene.media import GASES, MEDIA, Properties
 from tweezer.values.measured import Measured, Quantity, Result
 from tweezer.values.shown import Card
 
@@ -21,6 +22,8 @@ KNUDSEN = Quantity("knudsen", "1", "Knudsen number, by the radius")
 DRAG = Quantity("drag", "kg/s", "drag")
 ROTATIONAL_DRAG = Quantity("rotational_drag", "N m s", "rotational drag")
 RATE = Quantity("damping_rate", "1/s", "damping rate", shown="1/s")
+SURFACE = Quantity("temperature_of_bead", "K", "temperature of the bead's surface")
+NOISE = Quantity("effective_temperature", "K", "temperature of the thermal motion")
 #: Largest errors of the drag in a gas of diffuse reflection: up to each Knudsen number
 _GAS = ((0.1, 0.01), (1.0, 0.03), (math.inf, 0.05))
 #: Slip of the continuum for diffuse reflection, in mean free paths
@@ -34,7 +37,8 @@ class MediumProperties(Result):
     An error is NaN if it is not known, because the scene gives the number without an error.
     """
 
-    QUANTITIES: ClassVar = (DENSITY, VISCOSITY, INDEX, PATH, KNUDSEN, DRAG, ROTATIONAL_DRAG, RATE)
+    QUANTITIES: ClassVar = (DENSITY, VISCOSITY, INDEX, PATH, KNUDSEN, DRAG, ROTATIONAL_DRAG, RATE,
+                            SURFACE, NOISE)  # fmt: skip
 
     name: str
     """name of the medium; "" if it has none"""
@@ -70,6 +74,14 @@ class MediumProperties(Result):
     """rate beta_v/m at which the velocity of the bead decays without fluid inertia, 1/s"""
     damping_rate_error: float
     """error of the damping rate, 1/s"""
+    temperature_of_bead: float
+    """temperature of the surface of the bead, K"""
+    temperature_of_bead_error: float
+    """error of the temperature of the bead by the absorption, K"""
+    effective_temperature: float
+    """temperature of the translational thermal motion of the bead, K"""
+    effective_temperature_error: float
+    """error of the effective temperature by the absorption, K"""
 
     def quantities(self) -> Iterator[Measured]:
         """Yield the numbers of the medium and of the drag."""
@@ -97,6 +109,9 @@ def medium(scene: SceneLike) -> MediumProperties:
     where a is the accommodation coefficient and m_g the mass of a molecule. The rotational drag is
     8 pi mu r^3/(1 + 6 Kn/a). In other media the drag is Stokes's.
 
+    In a scene with heat, the light warms the medium and the bead. The result contains the
+    properties of the medium about the bead, and the drag of the hot bead.
+
     Parameters
     ----------
     scene : Scene, str or mapping
@@ -110,11 +125,12 @@ def medium(scene: SceneLike) -> MediumProperties:
     Raises
     ------
     SceneError
-        For a bead that is not a sphere.
+        For a bead that is not a sphere, and if the light heats the medium beyond its known range.
 
     References
     ----------
     S. A. Beresnev, V. G. Chernyak and G. A. Fomyagin, J. Fluid Mech. 219, 405 (1990).
+    D. Rings et al., Phys. Rev. Lett. 105, 090604 (2010): drag and thermal motion of a hot bead.
 
     Examples
     --------
@@ -123,7 +139,7 @@ def medium(scene: SceneLike) -> MediumProperties:
     >>> f"{1e3 * found.viscosity:.3f} mPa s, within {1e3 * found.viscosity_error:.3f}"
     '0.890 mPa s, within 0.009'
     """
-    scene = checked_scene(scene)
+    scene = heated(scene)
     bead, said, knudsen = bead_properties(scene), scene.medium, scene.knudsen
     found = Properties(said.density, said.viscosity, said.refractive_index, said.mean_free_path)
     errors = dict.fromkeys(Properties._fields, math.nan)
@@ -131,11 +147,12 @@ def medium(scene: SceneLike) -> MediumProperties:
         known = MEDIA[said.name].errors(found)._asdict()
         errors |= {key: known[key] for key in said.filled}
     of_viscosity = errors["viscosity"] / said.viscosity
-    along = about = of_viscosity
-    if bead.slip is not None:
+    hot = scene.heating
+    along = about = math.hypot(of_viscosity, hot.drag_error)
+    if said.name in GASES:
         accommodation = said.accommodation or 1.0
-        along = math.hypot(of_viscosity, _error_of_slip(knudsen, accommodation))
-        about = math.hypot(of_viscosity, _error_of_rotation(knudsen))
+        along = math.hypot(along, _error_of_slip(knudsen, accommodation))
+        about = math.hypot(about, _error_of_rotation(knudsen))
     return MediumProperties(
         said.name or "",
         found.density, errors["density"], found.viscosity, errors["viscosity"],
@@ -144,6 +161,8 @@ def medium(scene: SceneLike) -> MediumProperties:
         knudsen, errors["mean_free_path"] / scene.body.size,
         bead.drag, along * bead.drag, bead.rotational_drag, about * bead.rotational_drag,
         bead.drag / bead.mass, along * bead.drag / bead.mass,
+        said.temperature + hot.water + hot.bead, math.hypot(hot.water_error, hot.bead_error),
+        scene.noise_temperature, math.hypot(hot.water_error, hot.noise_error),
     )  # fmt: skip
 
 

@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike
 
 from tweezer.forces.force import Wrench
 from tweezer.optics.binding import Beams, evaluators_of, light_force
+from tweezer.optics.heat import heated
 from tweezer.optics.light import LightForce
 from tweezer.results.run import variable, with_error
-from tweezer.scene import Scene, SceneLike, checked_scene
+from tweezer.scene import Scene, SceneLike
 from tweezer.scene.interference import faces
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError, warn
@@ -48,7 +49,7 @@ def light(scene: SceneLike) -> SceneLight:
     >>> bool(field.force.sel(axis="x")[1] < 0)  # towards the focus
     True
     """
-    return SceneLight(checked_scene(scene))
+    return SceneLight(heated(scene))
 
 
 @dataclass(frozen=True)

@@ -151,6 +151,8 @@ def optimise(
     if not path.parent.is_dir():
         raise SceneError(f"file = {str(path)!r}: its folder does not exist; make it first")
     given = checked_scene(scene)
+    if given.heat is not None:
+        raise SceneError("heat: optimise compares light at one temperature; remove [heat]")
     masked = _masked(given, path, field=field)
     design = _Design(given)
     limits = design.limits(goal, at_least or {})

@@ -34,7 +34,7 @@ class BeadProperties(Shown):
     knudsen: float
     """mean free path over diameter (2.2.2)"""
     slip: float | None = None
-    """drag over Stokes's drag for a sphere in a named gas; None for other media"""
+    """drag over Stokes's drag for a sphere in a named gas or a scene with heat; None otherwise"""
 
     def card(self) -> Card:
         """Return the card with mass, drag, weight and characteristic times."""
@@ -101,7 +101,7 @@ def bead_properties(scene: SceneLike) -> BeadProperties:
         )
     drag, rotational = drags_of_sphere(scene)
     found = properties_with_drag(scene, drag, rotational)
-    if scene.medium.name not in GASES:
+    if scene.medium.name not in GASES and scene.heat is None:
         return found
     stokes = drag_of_translation(scene.medium.viscosity, scene.bead.radius)
     return dataclasses.replace(found, slip=drag / stokes)
@@ -110,10 +110,13 @@ def bead_properties(scene: SceneLike) -> BeadProperties:
 def drags_of_sphere(scene: Scene) -> tuple[float, float]:
     """Return drag beta_v, kg/s, and rotational drag beta_w, N m s, of the sphere of a scene.
 
-    They are Stokes's (2.15), in a named gas times the factors of its Knudsen number.
+    They are Stokes's (2.15), in a named gas times the factors of its Knudsen number. A bead that is
+    hotter than the medium has a smaller drag.
     """
     medium, r = scene.medium, scene.bead.radius
     along, about = drag_factors(medium.name, scene.knudsen, medium.accommodation)
+    if scene.heat is not None:
+        along, about = along * scene.heating.drag, about * scene.heating.rotational_drag
     return (
         along * drag_of_translation(medium.viscosity, r),
         about * drag_of_rotation(medium.viscosity, r),

@@ -17,6 +17,7 @@ from tweezer.scene.sections import (
     Camera,
     Detector,
     Forces,
+    Heat,
     Lens,
     Medium,
     Mirror,
@@ -25,6 +26,7 @@ from tweezer.scene.sections import (
     Start,
     Wall,
 )
+from tweezer.scene.temperatures import Heating
 from tweezer.scene.theory import Choice, chosen_theory
 from tweezer.values.errors import SceneError
 from tweezer.values.units import to_si
@@ -59,6 +61,7 @@ class Description(Section):
     mirror: Mirror | None = Field(
         None, description="a plane that reflects light; none if not given"
     )
+    heat: Heat | None = Field(None, description="heating by the light; none if not given")
     forces: Forces = Field(default_factory=Forces)
     camera: Camera | None = Field(
         None, description="a camera whose frames a run has beside the positions; none if not given"
@@ -68,6 +71,26 @@ class Description(Section):
     )
     optics: Optics = Field(default_factory=Optics)
     simulation: Simulation
+
+    @property
+    def heating(self) -> Heating:
+        """Temperatures of medium and bead in the light, and their effect on the motion.
+
+        Raises `SceneError` if the scene has heat but its light was not computed
+        (`tweezer.optics.heat.heated`).
+        """
+        if self.heat is None:
+            return Heating()
+        if self.heat.found is None:
+            raise SceneError(
+                "heat: the temperatures follow from the light; tweezer.medium(scene) computes them"
+            )
+        return self.heat.found
+
+    @property
+    def noise_temperature(self) -> float:
+        """Temperature of the bead's thermal motion, K: that of the medium unless light heats it."""
+        return self.medium.temperature + self.heating.water + self.heating.noise
 
     @property
     def beams(self) -> tuple[Beam, ...]:

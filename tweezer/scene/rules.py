@@ -7,6 +7,7 @@ import math
 from tweezer.scene.choices import EVALUATORS, METHODS, MODELS, methods
 from tweezer.scene.courses import refusal
 from tweezer.scene.description import FREE, Description
+from tweezer.scene.heating import check_heat
 from tweezer.scene.interference import check_interference
 from tweezer.scene.media import CONTINUUM
 from tweezer.scene.messages import either
@@ -43,6 +44,7 @@ def check(scene: Description) -> None:
     _inertia_of_the_fluid(scene)
     _some_frame(scene)
     _light_on_the_detector(scene)
+    check_heat(scene)
     if scene.start.frame == "lens" and scene.lens.focal_length is None:
         raise refusal("start.frame = 'lens': requires lens.focal_length")
     _start_in_the_medium(scene)

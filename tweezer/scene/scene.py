@@ -17,12 +17,14 @@ from tweezer.scene.courses import Section, with_tables
 from tweezer.scene.description import Description
 from tweezer.scene.files import read_scene, shipped_scenes
 from tweezer.scene.filling import filled_in
+from tweezer.scene.heating import heats_bead, heats_medium, medium_at
 from tweezer.scene.interference import planes
 from tweezer.scene.keys import HALVES, NUMBERED, by_key, changed_section, kind_of
 from tweezer.scene.media import GASES
 from tweezer.scene.messages import as_toml, counted, doubts_of, in_short, lines_of, numbered
 from tweezer.scene.rules import check, warn_of_unused_aperture
 from tweezer.scene.sections import Beam
+from tweezer.scene.temperatures import Heating
 from tweezer.values.errors import SceneError, UnitWarning, warn
 from tweezer.values.printed import printed
 from tweezer.values.rounding import micrometres
@@ -30,6 +32,8 @@ from tweezer.values.shown import Card, Row, as_html, as_text
 
 #: Largest Knudsen number for which the medium is a continuum (thesis, 2.2.2)
 KNUDSEN_LIMIT = 1e-3
+#: Sections whose choices do not change the temperatures in the light
+_KEEPING_HEAT = frozenset({"medium", "optics", "simulation"})
 #: Largest number of invalid values that are listed for one scene
 _MOST_LINES = 20
 
@@ -77,11 +81,24 @@ class Scene(Description):
         ]  # fmt: skip
         if self.wall is not None:
             rows.insert(2, Row("wall", self._planes_in_words("wall")))
+        if self.heat is not None:
+            rows.insert(2, Row("heat", self.heat_in_words()))
         if self.mirror is not None:
             rows.insert(2, Row("mirror", self._planes_in_words("mirror")))
         if changes := self._changes_in_short():
             rows.append(Row("changed", changes))
         return Card("Scene", self.name, tuple(rows))
+
+    def heat_in_words(self) -> str:
+        """Return what the light heats, with the temperature rises if they were computed."""
+        heats = {"medium": heats_medium(self), "bead": heats_bead(self)}
+        heated = [name for name, on in heats.items() if on]
+        if not heated:
+            return "none"
+        if self.heat is not None and (found := self.heat.found):
+            rises = {"medium": found.water, "bead": found.bead}
+            heated = [f"{name} by {rises[name]:.3g} K" for name in heated]
+        return f"{' and '.join(heated)}; without convection, thermophoresis and thermal lens"
 
     def _planes_in_words(self, key: str) -> str:
         """Return the heights of walls, or of the mirror, and how they reflect light."""
@@ -161,6 +178,17 @@ class Scene(Description):
         """Return the scene with this power through the pupil of its only beam, W."""
         beam = self.beam.model_copy(update={"power": None, "power_through_pupil": power})
         return self.model_copy(update={"beam": beam})
+
+    def heated(self, heating: Heating) -> Scene:
+        """Return the scene with temperatures that its light causes.
+
+        Properties of the medium that follow from its name change to the temperature about the
+        bead. The keys of the scene stay as they are, also when it is saved.
+        """
+        assert self.heat is not None
+        medium = medium_at(self, self.medium.temperature + heating.water)
+        heat = self.heat.with_temperatures(heating)
+        return self.model_copy(update={"medium": medium, "heat": heat})
 
     def __eq__(self, other: object) -> bool:
         """Return whether both scenes have equal keys, ignoring their history of changes."""
@@ -284,6 +312,8 @@ class Scene(Description):
             Values of the choices, by section.
         """
         copy = self._replaced(sections)
+        if self.heat is not None and self.heat.found and _KEEPING_HEAT.issuperset(sections):
+            copy = copy.heated(self.heat.found)
         return copy.model_copy(update={"changed": self.changed})
 
     def _replaced(self, sections: Mapping[str, Any]) -> Scene:

@@ -14,6 +14,7 @@ from tweezer.calibration import quantities as calibration
 from tweezer.forces.acting import forces_of
 from tweezer.forces.force import Force
 from tweezer.forces.named import origins_of
+from tweezer.optics.heat import heated
 from tweezer.runs import quantities as run
 from tweezer.scene import Scene, with_settings
 from tweezer.scene.arguments import check_ensemble, check_seed, check_thermal, samples_skipped
@@ -132,7 +133,7 @@ def _of_trap(scene: Scene, asked: Asked) -> Values:
     found = characterise(scene, forces=asked.own)
     if isinstance(found, Trap):
         _ = found.lifetime  # computed on first use
-    return values_of(found, scene.medium.temperature)
+    return values_of(found, heated(scene).noise_temperature)
 
 
 def values_of(result: Result, temperature: float) -> Values:
@@ -160,7 +161,7 @@ def _of_run(scene: Scene, asked: Asked) -> Values:
     if followed.attrs["status"] == "failed":
         raise TweezerError(followed.attrs["message"])
     end_error = float(followed.attrs["integration_error"]) + float(followed.attrs["model_error"])
-    return values_of(found, scene.medium.temperature) | {"end_error": [end_error] * 3}
+    return values_of(found, heated(scene).noise_temperature) | {"end_error": [end_error] * 3}
 
 
 def _of_ensemble(scene: Scene, asked: Asked) -> Values:
@@ -196,7 +197,7 @@ def _of_calibration(scene: Scene, asked: Asked) -> Values:
     if followed.attrs["status"] == "failed":
         raise TweezerError(followed.attrs["message"])
     found = calibrate(load_recording(followed).since(asked.skip))
-    return values_of(found, scene.medium.temperature)
+    return values_of(found, heated(scene).noise_temperature)
 
 
 _COMPUTED: dict[str, Callable[[Scene, Asked], Values]] = {

@@ -433,7 +433,7 @@ class _Likelihood:
             raise SceneError("beam: a depth is fitted only with one fixed beam from below")
         self._light = light_of_one_beam(scene)
         self._problem = bound_once(scene)
-        self._kT = Boltzmann * scene.medium.temperature
+        self._kT = Boltzmann * self._problem.scene.noise_temperature
         self._velocity = np.array(scene.start.velocity)
         self._given = {
             "power": self._light.light.cone.power, "radius": scene.bead.radius,

@@ -53,7 +53,7 @@ def mean_spring(problem: Problem, place: Equilibrium) -> MeanSpring | None:
     is of second order in the relative difference between the mean stiffness and the stiffness at
     the equilibrium. The drag follows from the mean mobility.
     """
-    kT = Boltzmann * problem.scene.medium.temperature
+    kT = Boltzmann * problem.scene.noise_temperature
     position, stiffness = np.array(place.position), np.array(place.stiffness)
     stiffness = (stiffness + stiffness.T) / 2
     for _ in range(_MOST_ROUNDS):

@@ -228,11 +228,11 @@ class Misfit:
         mass, fluid = self.inertia.masses(scene)
         height = _height(scene, mean.position[2])
         noises = (camera.noise, camera.noise, camera.noise_along or 0.0)
-        beads = {}
+        beads, temperature = {}, problem.scene.noise_temperature
         for i, axis in enumerate(_AXES):
             way = "across" if axis == ACROSS else "along"
             beads[axis] = TrappedBead(
-                mean.stiffness[i], mean.drag[i], scene.medium.temperature, mass, camera.exposure,
+                mean.stiffness[i], mean.drag[i], temperature, mass, camera.exposure,
                 fluid if height is None or height >= LOWEST[way] else None, self.inertia.poles,
                 noise=noises[i], wall=height, across=axis == ACROSS,
             )  # fmt: skip

@@ -18,6 +18,7 @@ from tweezer.fluid.resistance.of_scene import resistance
 from tweezer.optics import Beams, LightForce
 from tweezer.optics.bodies.shapes import t_matrix
 from tweezer.optics.bodies.t_matrix import TMatrix
+from tweezer.optics.heat import heated
 from tweezer.optics.light import SPEED_OF_LIGHT
 from tweezer.scene import Scene
 from tweezer.trap import quantities as known
@@ -162,6 +163,8 @@ class BodyTrap(Comparable, Result):
             yield Row("largest torque", f"{self.torque_efficiency:.3g} P/omega")
         if self.absorbed_power is not None:
             yield Row("absorbed power", printed(self.absorbed_power, "mW"))
+        if self.scene.heat is not None:
+            yield Row("heat", heated(self.scene).heat_in_words())
         yield Row("error of the force", printed(self.force_error, "pN", 1), detail=True)
         yield Row("T-matrix", f"degree {self.t_matrix.degree}, error {self.t_matrix.error:.1g}, "
                   f"unitarity {self.t_matrix.unitarity:.1g}, reciprocity "

@@ -14,6 +14,7 @@ from tweezer.dynamics import Problem, bound_once
 from tweezer.dynamics.layout import TRANSLATION
 from tweezer.forces.equilibria import nearest_stable
 from tweezer.optics import evaluators_of
+from tweezer.optics.heat import heated
 from tweezer.results.run import variable, with_error
 from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.scene.arguments import numbers_in_si
@@ -187,6 +188,7 @@ def _dataset(
         "equilibrium_error": ("m", "error of the equilibrium, by that of the force"),
         "gap": ("m", "distance of the bead's surface from the wall at the equilibrium"),
     }
+    far = bead_properties(heated(scene))
     variables = {
         **{
             name: variable(("height", "axis"), column(name, [math.nan] * 3), *of)
@@ -194,7 +196,7 @@ def _dataset(
         },
         **{name: variable(("height",), column(name, math.nan), *of) for name, of in number.items()},
         "state": (("height",), np.array(states, dtype=str), {"long_name": "what becomes of it"}),
-        "free_drag": variable((), np.array(bead_properties(scene).drag), "kg/s", "drag far away"),
+        "free_drag": variable((), np.array(far.drag), "kg/s", "drag far away"),
     }
     coordinates = {
         "height": variable(("height",), heights, "m", "height of the nominal focus over the wall"),

@@ -126,7 +126,7 @@ def lifetime(
         return None
     start = _start(held)
     radius = min(reach, scene.simulation.loss_distance)
-    energy = Boltzmann * scene.medium.temperature
+    energy = Boltzmann * problem.scene.noise_temperature
     region = _region(problem, radius)
     fields = [_field(problem, start, side) for side in ((0,) if problem.symmetric else (0, 1))]
     if min(_least_work(region, field, start) for field in fields) > DEEP * energy:
@@ -152,7 +152,7 @@ def time_without_light(scene: Scene, held: Equilibrium | Ring, reach: float) -> 
     """
     problem = bound_once(scene)
     radius = min(reach, scene.simulation.loss_distance)
-    energy = Boltzmann * scene.medium.temperature
+    energy = Boltzmann * problem.scene.noise_temperature
     region = dataclasses.replace(
         _region(problem, radius), finest=_FINE_DARK * radius, centre=held.position[2]
     )
@@ -190,8 +190,11 @@ def doubt(
     """
     if held is None:
         return None
-    if why := _not_computed(bound_once(scene), held, reach):
+    problem = bound_once(scene)
+    if why := _not_computed(problem, held, reach):
         return f"not computed {why}"
+    if problem.scene.heating.bead:
+        return None
     # temperature rise of a sphere's surface, by heat conduction through water
     warmer = (absorbed_power or 0.0) / (4 * math.pi * _WATER * scene.bead.radius)
     if warmer < _WARM:

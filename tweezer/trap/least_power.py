@@ -99,6 +99,10 @@ def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | No
             f"bead.shape = {scene.bead.shape!r}: lifetimes are computed for spheres; allowed: "
             "'sphere'"
         )
+    if scene.heat is not None:
+        raise SceneError(
+            "heat: least power compares powers at one temperature; remove [heat] from the scene"
+        )
     if not (scene.plain and scene.forces.optical) or scene.forces.dlvo is not None:
         raise SceneError(
             "least power: requires one beam at rest along z through the origin, forces.optical = "

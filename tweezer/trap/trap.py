@@ -28,6 +28,7 @@ from tweezer.optics import (
     sampled,
     total_power,
 )
+from tweezer.optics.heat import heated
 from tweezer.optics.light import SPEED_OF_LIGHT, LightForce
 from tweezer.optics.worth import between
 from tweezer.scene import Scene, SceneLike, checked_scene
@@ -146,11 +147,12 @@ class Trap(Comparable, Result):
 
         The time begins at the equilibrium, or on the ring. It ends when the distance from the focus
         reaches `Trap.reach` or `simulation.loss_distance`, whichever is less. The temperature is
-        `medium.temperature`, even if `forces.brownian` is false. The time is a mean first passage
-        time of the overdamped motion in the exact force, which need not have a potential, with the
-        mobility at each position. The light is assumed to have rotational symmetry. For linearly
-        polarised light, the time is computed in the half planes along x and along y. The mean of
-        both is returned, and their difference is part of the error.
+        `medium.temperature`, or in a scene with heat that of the bead's thermal motion, even if
+        `forces.brownian` is false. The time is a mean first passage time of the overdamped motion
+        in the exact force, which need not have a potential, with the mobility at each position. The
+        light is assumed to have rotational symmetry. For linearly polarised light, the time is
+        computed in the half planes along x and along y. The mean of both is returned, and their
+        difference is part of the error.
 
         The lifetime is None, with the reason in `lifetime_caveat`, in these cases:
 
@@ -330,7 +332,7 @@ class Trap(Comparable, Result):
             (
                 Row("power through the pupil", power), *self._mask(), *self._efficiencies(),
                 *self._held(),
-                *self._others(), *own,
+                *self._others(), *self._heat(), *own,
                 Row("error of the force", printed(self.force_error, "pN", 1), of="force_error",
                     detail=below_four_digits(weakest, self.force_error)),
                 Row("force by", self.evaluator, detail=True), *rows_of_light(self.scene)[:2],
@@ -394,6 +396,11 @@ class Trap(Comparable, Result):
         if self.absorbed_power is not None and self.torque is not None:
             yield Row("absorbed power", printed(self.absorbed_power, "mW"), detail=True)
             yield Row("torque about the bead's centre", printed(self.torque, "pN um"), detail=True)
+
+    def _heat(self) -> Iterator[Row]:
+        """Yield the row of the temperatures in the light."""
+        if self.scene.heat is not None:
+            yield Row("heat", heated(self.scene).heat_in_words())
 
     def _on_ring(self, ring: Ring) -> Iterator[Row]:
         """Yield the rows of the ring that holds the bead."""

@@ -459,6 +459,18 @@ def _index(value: Any) -> float | tuple[float, float]:
     return to_si(real, "", *_INDEX_REAL), imaginary
 
 
+def _switch_or_rise(value: Any) -> bool | float:
+    """Return a user's true or false, or a temperature rise per power in K/W."""
+    if isinstance(value, bool):
+        return value
+    try:
+        return to_si(value, "K/W", *_RISE)
+    except ValueError:
+        raise ValueError(
+            f'must be true, false, or a rise per power such as "15 K/W", up to {_RISE[1]:g} K/W'
+        ) from None
+
+
 def _radii_or_length(value: Any) -> float | str:
     """Return a user's range of a force map: a number of bead radii, or a length as text in m."""
     if _has_unit(value):
@@ -481,6 +493,8 @@ _INDEX = (1.0, 10.0)
 _INDEX_REAL = (0.01, 10.0)
 #: Largest imaginary part of a refractive index
 _INDEX_IMAGINARY = 100.0
+#: Range of a temperature rise per power of light, K/W
+_RISE = (0.0, 1e12)
 #: Allowed range of a force map in bead radii, and in m
 TABLE_RADII = (0.5, 20.0)
 _TABLE_LENGTH = (1e-8, 1e-3)
@@ -494,6 +508,14 @@ ComplexIndex = Annotated[
             {"type": "number", "minimum": _INDEX_REAL[0], "maximum": _INDEX_REAL[1], "unit": ""},
             {"type": "number", "minimum": 0, "maximum": _INDEX_IMAGINARY, "unit": ""},
         ]},
+    ]}),
+]  # fmt: skip
+SwitchOrRise = Annotated[
+    bool | float,
+    _reading(_switch_or_rise),
+    WithJsonSchema({"anyOf": [
+        {"type": "boolean"},
+        {"type": "number", "minimum": _RISE[0], "maximum": _RISE[1], "unit": "K/W"},
     ]}),
 ]  # fmt: skip
 RadiiOrLength = Annotated[

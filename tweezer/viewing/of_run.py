@@ -184,12 +184,12 @@ def _energies(
     For a body that is not a sphere, the work of the torques is included.
     """
     scene = problem.scene
-    unit = Boltzmann * scene.medium.temperature
+    unit = Boltzmann * scene.noise_temperature
     energies = {}
     if "kinetic_energy" in run:
         energies["kinetic"] = run["kinetic_energy"] / unit
     notes = [
-        f"Energies are in units of kT = {1e21 * unit:.4g} zJ, at {scene.medium.temperature:.5g} K."
+        f"Energies are in units of kT = {1e21 * unit:.4g} zJ, at {scene.noise_temperature:.5g} K."
     ]
     if not close:
         notes.append("The work of the light is not shown because the samples are too far apart.")

@@ -12,6 +12,7 @@ from scipy.ndimage import map_coordinates, maximum_filter, spline_filter1d
 
 from tweezer.dynamics import Problem, bound_once
 from tweezer.optics import Beams
+from tweezer.optics.heat import heated
 from tweezer.optics.light import LightForce
 from tweezer.scene.heading import heading, of_changes
 from tweezer.trap import Escape, Trap
@@ -153,7 +154,8 @@ def content(trap: Trap) -> Content:
     The page interpolates forces in a box around the trap from tables, which are computed here.
     """
     trap.check_scene_alone("the page of a trap")
-    scene, problem = trap.scene, bound_once(trap.scene)
+    problem = bound_once(trap.scene)
+    scene = problem.scene
     box = _box(trap, problem)
     lights = _placed(problem)
     tables = _tables(lights, box)
@@ -190,7 +192,7 @@ def content(trap: Trap) -> Content:
                 for each in trap.equilibria
             ],
             "escapes": [_escape(each) for each in trap.escapes],
-            "thermal": Boltzmann * scene.medium.temperature,
+            "thermal": Boltzmann * scene.noise_temperature,
             "largest": compared.largest,
         },
         arrays=arrays,
@@ -423,7 +425,7 @@ def _summary(trap: Trap) -> list[Row]:
     in_words = {LIFETIME.name, POWER.name}  # the text of their rows on the card is more complete
     listed = [each for each in trap.quantities() if each.of.name not in in_words]
     for measured in listed:
-        each = measured.in_kT(trap.scene.medium.temperature)
+        each = measured.in_kT(heated(trap.scene).noise_temperature)
         for at, value, error in zip(
             each.of.entries, each.value.flat, each.errors.flat, strict=True
         ):

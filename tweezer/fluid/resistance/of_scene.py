@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from tweezer.fluid.resistance.resistance import Resistance
-from tweezer.scene import SceneLike, checked_scene
+from tweezer.optics.heat import heated
+from tweezer.scene import SceneLike
 from tweezer.scene.choices import SHAPES, at
 from tweezer.scene.media import drag_factors
 from tweezer.values.arrays import Array
@@ -43,13 +44,14 @@ def resistance(scene: SceneLike) -> Resistance:
     >>> f"{found.matrix[0, 0]:.2e} kg/s"
     '9.44e-09 kg/s'
     """
-    scene = checked_scene(scene)
+    scene = heated(scene)
     matrix, error, method = _kept(scene.bead, scene.medium.viscosity)
     if scene.bead.shape == "sphere":
         medium = scene.medium
         factors = drag_factors(medium.name, scene.knudsen, medium.accommodation)
-        matrix = matrix * np.repeat(factors, 3)
-    return Resistance(fixed(matrix), scene.medium.temperature, error, method)
+        hot = scene.heating.drag, scene.heating.rotational_drag
+        matrix = matrix * np.repeat(np.multiply(factors, hot), 3)
+    return Resistance(fixed(matrix), scene.noise_temperature, error, method)
 
 
 @functools.lru_cache(maxsize=16)

@@ -1,6 +1,7 @@
 from .alternatives import ALTERNATIVES, BELONGING, FILLED, NAMED, WITHIN_LAYERS, Filled
 from .bead import Bead
 from .detector import Detector
+from .heat import Heat
 from .interference import Mirror
 from .light import Beam, Cover, Lens, Optics
 from .medium import Medium, Wall
@@ -22,6 +23,7 @@ __all__ = [
     "Dlvo",
     "Filled",
     "Forces",
+    "Heat",
     "Layer",
     "Lens",
     "Medium",
