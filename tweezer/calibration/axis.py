@@ -32,13 +32,13 @@ from tweezer.values.constants import Boltzmann
 from tweezer.values.printed import printed, signal_unit
 
 #: Largest relative uncertainty of a stiffness that counts as determined.
-_UNCERTAIN = 0.3
+UNCERTAIN = 0.3
 #: Shortest record for displacements and a potential, in relaxation times. In shorter records too
 #: many estimates that look determined are wrong.
 _FEW = 100.0
 #: Largest deviation from the stiffness by the power spectrum without a finding, in standard
 #: uncertainties.
-_APART = 4.0
+APART = 4.0
 #: Phase lag of a response above which a finding reports it, in standard uncertainties and in rad.
 _LATE = (5.0, 0.02)
 
@@ -68,7 +68,7 @@ def along(record: Record) -> AxisCalibration:
     bead = fits.fit.bead
     own = _spectrum_fit(fits.fit)
     of_free = own if fits.free is fits.fit else _spectrum_fit(fits.free)
-    findings = _findings(record, signal, fits, resolution)
+    findings = findings_of(record, signal, fits, resolution)
     # a drift slower than all frequencies of the spectral fits does not affect these fits
     beyond = known.left_out.fit_range[0] > (
         (known.left_out.cosines(len(signal), step) + SLOW) / (2 * len(signal) * step)
@@ -83,9 +83,9 @@ def along(record: Record) -> AxisCalibration:
         k, uncertainty = map(float, found)
         apart = abs(k - bead.stiffness) / math.hypot(uncertainty, own.stiffness_uncertainty)
         against = [*findings, *objections]
-        if not 0 < uncertainty <= _UNCERTAIN * abs(k):
+        if not 0 < uncertainty <= UNCERTAIN * abs(k):
             against.insert(len(findings), Finding("undetermined", "not determined"))
-        elif apart > _APART:
+        elif apart > APART:
             text = f"{apart:.2g} standard uncertainties from the value by the power spectrum"
             against.append(Finding("apart", f"{method}: {text}"))
         estimates.append(Estimate(method, k, uncertainty, tuple(against)))
@@ -106,7 +106,7 @@ def along(record: Record) -> AxisCalibration:
     )  # fmt: skip
 
 
-def _findings(record: Record, positions: Array, fits: Fits, resolution: float) -> list[Finding]:
+def findings_of(record: Record, positions: Array, fits: Fits, resolution: float) -> list[Finding]:
     """Return the findings about the record, first those about its digits, then about its motion.
 
     `positions` (n,), m, are the record without drift and excluded bands, `fits` the fits of its

@@ -412,46 +412,79 @@ def fitted(
 def _scored(
     periodogram: Periodogram, start: TrappedBead, free: tuple[str, ...], tolerance: float
 ) -> WhittleFit:
-    """Return the fit of the parameters `free` by Fisher's scoring, starting at `start`.
+    """Return the fit of the parameters `free` by Fisher's scoring, starting at `start`."""
 
-    Steps are damped as in the Levenberg-Marquardt method, and stay within the ranges of the
-    coordinates. The fit ends when a step increases the log-likelihood by less than a tenth of
-    `tolerance`.
-    """
-    low, high = np.array([COORDINATES[name].ends for name in free]).T
-    bead, damping = start, _DAMPING[0]
-    here, best = periodogram.coordinates(bead, free), periodogram.log_likelihood(bead)
-    for _ in range(_MOST_STEPS):
+    def likelihood(coordinates: Array) -> float:
+        return periodogram.log_likelihood(periodogram.at(start, free, coordinates))
+
+    def ascent(coordinates: Array) -> tuple[Array, Array]:
+        bead = periodogram.at(start, free, coordinates)
         ratio = periodogram.density / periodogram.expected(bead) - 1
         slopes = periodogram.slopes(bead, free)
         weighted = slopes * periodogram.counts
-        # gradient of the log-likelihood, and Fisher's information
         upward, information = weighted @ ratio, weighted @ slopes.T
         if periodogram.beside:
             beside = periodogram.slopes_beside(bead, free)
             upward -= beside @ np.array([each.misfit(bead) for each in periodogram.beside])
             information += beside @ beside.T
+        return upward, information
+
+    ends = np.array([COORDINATES[name].ends for name in free]).T
+    here = scored(periodogram.coordinates(start, free), ends, likelihood, ascent, tolerance)
+    return WhittleFit(periodogram.at(start, free, here), periodogram, free)
+
+
+def scored(
+    start: Array,
+    ends: Array,
+    likelihood: Callable[[Array], float],
+    ascent: Callable[[Array], tuple[Array, Array]],
+    tolerance: float = 1e-4,
+) -> Array:
+    """Return the coordinates (n,) of largest likelihood, by Fisher's scoring.
+
+    Steps are damped as in the Levenberg-Marquardt method, and stay within the ranges of the
+    coordinates. The fit ends when a step increases the log-likelihood by less than a tenth of
+    `tolerance`.
+
+    Parameters
+    ----------
+    start : ndarray, shape (n,)
+        Coordinates at which the fit starts.
+    ends : ndarray, shape (2, n)
+        Smallest and largest coordinates.
+    likelihood : callable
+        Function from coordinates to the log-likelihood.
+    ascent : callable
+        Function from coordinates to its gradient (n,) and to Fisher's information (n, n).
+    tolerance : float, optional
+        Tolerance of the coordinates. A tenth of it applies to the log-likelihood.
+    """
+    low, high = ends
+    here, damping = start, _DAMPING[0]
+    best = likelihood(here)
+    for _ in range(_MOST_STEPS):
+        upward, information = ascent(here)
         inside = ~(((here <= low) & (upward < 0)) | ((here >= high) & (upward > 0)))
         if not inside.any():
             break
         scale = np.diag(np.diag(information) + 1e-12)[np.ix_(inside, inside)]
         while damping < _DAMPING[1]:
             matrix = information[np.ix_(inside, inside)] + damping * scale
-            step = np.zeros(len(free))
+            step = np.zeros(len(start))
             step[inside] = np.clip(np.linalg.solve(matrix, upward[inside]), -_LONGEST, _LONGEST)
             there = np.clip(here + step, low, high)
-            other = periodogram.at(bead, free, there)
-            gain = periodogram.log_likelihood(other) - best
+            gain = likelihood(there) - best
             if gain >= 0:
                 break
             damping *= 10
         else:
             break
         small = gain < tolerance / 10 and bool(np.abs(there - here).max() < 100 * tolerance)
-        bead, here, best, damping = other, there, best + gain, max(damping / 10, 1e-12)
+        here, best, damping = there, best + gain, max(damping / 10, 1e-12)
         if small:
             break
-    return WhittleFit(bead, periodogram, free)
+    return here
 
 
 def usable(
