@@ -58,7 +58,9 @@ COMMANDS = {
         "Commands for runs and traps", "new scenes run view trap detect optimise tune"
     ),
     "commands-series.md": ("Commands for ensembles and sweeps", "ensemble sweep rotation compare"),
-    "commands-recordings.md": ("Commands for recordings", "examples calibrate fit fit-depth"),
+    "commands-recordings.md": (
+        "Commands for recordings", "examples calibrate rheology fit fit-depth"
+    ),
     "commands-machine.md": (
         "Commands for caches and checks", "reproduce map warmup info cache bench"
     ),

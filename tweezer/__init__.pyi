@@ -7,6 +7,8 @@ from .fluid import wall_mobilities
 from .fluid.medium import MediumProperties, medium
 from .fluid.resistance.of_scene import resistance
 from .fluid.resistance.resistance import Resistance
+from .microrheology.analysis import rheology
+from .microrheology.results import Rheology
 from .optics import (
     SceneLight,
     absorbed_power,
@@ -66,6 +68,7 @@ __all__ = [
     "Recording",
     "Resistance",
     "ResultError",
+    "Rheology",
     "Scene",
     "SceneError",
     "SceneFit",
@@ -112,6 +115,7 @@ __all__ = [
     "potential",
     "recoil",
     "resistance",
+    "rheology",
     "rotation",
     "save",
     "save_run",

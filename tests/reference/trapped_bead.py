@@ -67,3 +67,30 @@ def double_well(barrier, minima, samples, temperature, seed):
     kept = x[rng.random(x.size) < np.exp(-energy / (BOLTZMANN * temperature))]
     assert kept.size >= samples
     return kept[:samples]
+
+
+def viscoelastic(time_step, samples, k, solvent, elements, temperature, seed, trajectories=1):
+    """Positions (trajectories, samples), m, of a bead without mass in Maxwell elements.
+
+    An element of drag b and time t is a spring b/t from the bead to a hidden bead of drag b at u:
+
+        beta x' = -k x - sum (b/t)(x - u) + noise,    b u' = (b/t)(x - u) + noise
+
+    `solvent` is beta, kg/s, and `elements` are pairs (b, t).
+    """
+    kT = BOLTZMANN * temperature
+    drags = np.array([solvent, *(b for b, _ in elements)])
+    springs = np.array([b / t for b, t in elements])
+    stiffness = np.diag([k + springs.sum(), *springs])
+    stiffness[0, 1:] = stiffness[1:, 0] = -springs
+    size = np.linalg.cholesky(np.linalg.inv(stiffness) * kT)  # of the thermal motion
+    back = np.linalg.inv(size)
+    rates = back @ (-stiffness / drags[:, None]) @ size
+    step, kick = propagator(rates, back @ np.diag(2 * kT / drags) @ back.T, time_step)
+    rng = np.random.default_rng(seed)
+    state = rng.standard_normal((len(drags), trajectories))
+    positions = np.empty((samples, trajectories))
+    for i in range(samples):
+        positions[i] = size[0] @ state
+        state = step @ state + kick @ rng.standard_normal(state.shape)
+    return positions.T

@@ -27,6 +27,15 @@ def calibration(seed=1):
     return tweezer.calibrate(recording, temperature="293 K", radius="0.5 um", viscosity="1 mPa s")
 
 
+def rheology():
+    from scipy.signal import lfilter
+
+    noise = np.random.default_rng(1).normal(size=(2, 2000)) * 1e-8
+    positions = lfilter([1], [1, -0.8], noise).T
+    recording = tweezer.Recording(np.arange(2000) * 1e-3, positions, ("x", "y"), name="drawn")
+    return tweezer.rheology(recording, temperature="293 K", radius="0.5 um", noise=0)
+
+
 def surface():
     return tweezer.Surface(
         1e-6, 2e-8, 0.9, math.inf, 9e-9, None, calibration_heights(), ("a",), None, ()
@@ -76,6 +85,7 @@ MADE = {
     "trap": lambda: tweezer.characterise(SCENE),
     "body trap": lambda: tweezer.characterise(ROD),
     "calibration": calibration,
+    "rheology": rheology,
     "together": lambda: together([calibration(1), calibration(2)]),
     "surface": surface,
     "fit": fit,

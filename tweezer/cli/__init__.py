@@ -43,6 +43,7 @@ for _group in (
     "compare",
     "examples",
     "calibrate",
+    "rheology",
     "fit",
     "depth",
     "thesis",

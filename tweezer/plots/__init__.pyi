@@ -5,6 +5,7 @@ from .ensemble import ensemble_figure
 from .fit import fit_figure
 from .heights import heights_figure
 from .optimum import optimum_figure
+from .rheology import rheology_figure
 from .rotation import rotation_figure
 from .run import run_figure
 from .sweeps import sweep_figure
@@ -20,6 +21,7 @@ __all__ = [
     "fit_figure",
     "heights_figure",
     "optimum_figure",
+    "rheology_figure",
     "rotation_figure",
     "run_figure",
     "sweep_figure",

@@ -25,9 +25,9 @@ def save(result: Any, path: str | Path) -> Path:
 
     Parameters
     ----------
-    result : Dataset, Trap, BodyTrap, Calibration, Surface, SceneFit, DepthFit, Tuning or tuple
+    result : Dataset, Trap, Calibration, Rheology, SceneFit or another result
         A result of `simulate`, `ensemble`, `sweep`, `trap_over_heights`, `SceneLight.field`,
-        `characterise`, `calibrate`, `find_wall`, `fit`, `fit_depth`, `tune` or
+        `characterise`, `calibrate`, `rheology`, `find_wall`, `fit`, `fit_depth`, `tune` or
         `calibration.together`, which returns a tuple.
     path : str or Path
         Name of the file. It must end in `.nc` for a dataset and in `.json` for any other result.
@@ -89,7 +89,7 @@ def load(path: str | Path) -> Any:
 
     Returns
     -------
-    Dataset, Trap, BodyTrap, Calibration, Surface, SceneFit, DepthFit, Tuning or tuple of Together
+    Dataset, Trap, Calibration, Rheology, SceneFit or another result
         The result, with the type that it had when it was computed. A dataset in a store is read on
         demand.
 

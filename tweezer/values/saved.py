@@ -81,6 +81,8 @@ KINDS = (
          of="tweezer.trap.trap:Trap", reader="tweezer.trap.saved_trap"),
     Kind("body trap", "the trap of a body", ("scene", "body_trap"), compared=True,
          of="tweezer.trap.body:BodyTrap", reader="tweezer.trap.saved_body_trap"),
+    Kind("rheology", "the rheology of a medium", ("storage", "loss", "elements"),
+         of="tweezer.microrheology.results:Rheology"),
     Kind("calibration", "a calibration", ("axes", "exposure"), compared=True,
          of="tweezer.calibration.results:Calibration"),
     Kind("together", "calibrations of several recordings", ("recordings", "together"),
