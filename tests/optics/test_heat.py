@@ -256,3 +256,15 @@ def test_commands_that_change_the_power_refuse_heat():
         tweezer.least_power(hot)
     with pytest.raises(SceneError, match="remove"):
         tweezer.optimise(hot, "kx")
+
+
+def test_calibration_of_a_run_uses_temperature_and_drag_of_the_hot_bead():
+    hot = scene(
+        {"light": "20 K/W", "bead": "600 K/W"}, forces={"brownian": True},
+        start={"drawn": "boltzmann"},
+        simulation={"duration": 0.1, "samples": 2001, "model": "overdamped"},
+    )  # fmt: skip
+    recording = tweezer.load_recording(tweezer.simulate(hot, seed=5))
+    found, known = tweezer.calibrate(recording), tweezer.medium(hot)
+    assert found.temperature == pytest.approx(known.effective_temperature)
+    assert found.drag == pytest.approx(known.drag)

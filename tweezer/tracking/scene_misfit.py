@@ -225,7 +225,7 @@ class Misfit:
             )
         camera = scene.camera
         assert camera is not None
-        mass, fluid = self.inertia.masses(scene)
+        mass, fluid = self.inertia.masses(problem.scene)
         height = _height(scene, mean.position[2])
         noises = (camera.noise, camera.noise, camera.noise_along or 0.0)
         beads, temperature = {}, problem.scene.noise_temperature
