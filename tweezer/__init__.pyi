@@ -30,6 +30,7 @@ from .reading import Recording, Track, load_recording, load_track
 from .results.io import load_run, save_run, scene_of
 from .results.saving import load, save
 from .runs import Summary, Tuned, Tuning, summarise, tune
+from .runs.response import response
 from .runs.simulation import simulate
 from .scene import Scene, load_scene, shipped_scenes
 from .scene.bead import BeadProperties, bead_properties
@@ -116,6 +117,7 @@ __all__ = [
     "recoil",
     "resistance",
     "rheology",
+    "response",
     "rotation",
     "save",
     "save_run",

@@ -31,6 +31,7 @@ CALLS = {
     "recoil": lambda scene: tweezer.recoil(scene, [0, 0, 1e-7]),
     "t_matrix": lambda scene: tweezer.t_matrix(scene).error,
     "resistance": lambda scene: tweezer.resistance(scene).matrix,
+    "response": lambda scene: tweezer.response(scene, [1e-3], [10.0]).msd.values,
     "simulate": lambda scene: tweezer.simulate(scene, "10 us")["position"].values,
 }
 #: and longer ones, which only have to find the scene

@@ -103,18 +103,19 @@ def model_error(equations: EquationsOfMotion, run: Integration, position: Array)
     It is NaN for a continued run too, unless the run uses these equations without a wall.
     """
     if equations.begin is not None:
-        exact = equations.name.startswith("full") and equations.remembers
+        exact = equations.name.startswith("full") and equations.scene.medium.inertia == "memory"
         return 0.0 if exact and equations.scene.wall is None else math.nan
     if run.status == "interrupted":
         return math.nan
     if len(run.times) < 2:
         return 0.0
     full = equations.name.startswith("full")
-    if full and equations.remembers:
+    if full and equations.scene.medium.inertia == "memory":
         return _without_wall(equations, run)
     without_scaling = unscaled(equations.problem)
     if equations.drag.uniform and equations.body is None and without_scaling is not None:
-        return _compared(_in_thin_gas(without_scaling, equations, run), run, position)[1]
+        off = _compared(_in_thin_gas(without_scaling, equations, run), run, position)[1]
+        return off + _lag(equations, run) if equations.problem.rings_with_fluid else off
     off = 0.0 if full else _compared(without_scaling, run, position)[1]
     return off + _lag(equations, run) + _slowed_by_walls(equations, run)
 
@@ -266,8 +267,11 @@ def unscaled(problem: Problem) -> Problem | None:
         return None
     if not full.drag.uniform or full.body is not None:
         return full
-    inertia = "none" if full.scene.rarefied else "memory"
-    return decided(full.decided(medium={"inertia": inertia}))[0]
+    inertia = "none" if full.scene.rarefied or full.rings_with_fluid else "memory"
+    found = full.decided(medium={"inertia": inertia})
+    if found.network is not None and found.network.rings:
+        return None
+    return decided(found)[0]
 
 
 def _compared(

@@ -106,6 +106,8 @@ def _model(problem: Problem) -> tuple[str, str]:
     slow = problem.net_force(start)[0] * problem.mobility[TRANSLATION]
     off = scene.body.size * small
     off += tau * float(np.linalg.norm(np.array(scene.start.velocity) - slow))
+    if scene.medium.power_law is not None and inertia in (None, "none"):
+        return "overdamped", "overdamped: the elements of a power law are followed without inertia"
     if inertia in ("added-mass", "memory"):
         return "full", f"full: has the inertia of the fluid, {inertia}"
     if inertia is None and not without_memory(problem, DETERMINISTIC):

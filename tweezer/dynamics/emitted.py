@@ -25,6 +25,8 @@ def module_of(scene: Scene, *, rotates: bool) -> ModuleType:
     If the scene does not set a model, the unscaled equations are used.
     """
     model = MODELS[scene.simulation.model or "full"]
+    if scene.medium.relaxes:  # whose velocity is a variable even without inertia
+        model = MODELS["full"]
     if not rotates:
         return module(f"{model.modules}_translation")
     if scene.bead.shape != "sphere":

@@ -200,10 +200,10 @@ class EquationsOfMotion(Shown):
 
     @property
     def remembers(self) -> bool:
-        """Whether hydrodynamic memory is part of the motion; the emitted rates do not
-        contain it.
+        """Whether hydrodynamic memory, or that of a viscoelastic medium, is part of the motion;
+        the emitted rates do not contain it.
         """
-        return self.scene.medium.inertia == "memory"
+        return self.scene.medium.inertia == "memory" or self.problem.network is not None
 
     @property
     def fastest_relaxation(self) -> float:
@@ -281,6 +281,11 @@ class EquationsOfMotion(Shown):
         """Raise `SceneError` for a motion with hydrodynamic memory, which the rates do
         not contain.
         """
+        if self.problem.network is not None:
+            raise SceneError(
+                "medium.relaxing: `rhs` and `jacobian` cannot follow a viscoelastic medium; "
+                "tweezer.simulate can"
+            )
         if self.remembers:
             raise SceneError(
                 "medium.inertia = 'memory': `rhs` and `jacobian` cannot follow the memory; "
@@ -337,9 +342,9 @@ class EquationsOfMotion(Shown):
         """
         states = self.on_constraints(states)
         # the slow models have no velocities in their state: they are its rates of change
-        rates = None if self.inertial else self._rates(times, states)
         part = self._part
         position = part(states, "position")
+        rates = None if self.inertial else self._rates(times, states)
         velocity = part(states, "velocity") if rates is None else part(rates, "position")
         orientation = angular_velocity = None
         if self.rotates:

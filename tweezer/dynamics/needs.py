@@ -87,6 +87,10 @@ class Bound(Protocol):
         """Mass of the bead with the added mass of the fluid, kg."""
 
     @property
+    def rings_with_fluid(self) -> bool:
+        """Whether the bead rings in its viscoelastic medium if the fluid has inertia."""
+
+    @property
     def emitted(self) -> ModuleType:
         """Emitted module of the equations of motion."""
 
@@ -232,6 +236,8 @@ class Choice(NamedTuple):
 
 #: Of each key the first row whose fact is there
 CHOICES = (
+    Choice("model", "overdamped", "the elements of a power law are followed without inertia",
+           lambda its: its.problem.scene.medium.power_law is not None),
     Choice("model", "full", "inertia is exact at any step", lambda its: its.problem.drag.uniform),
     Choice("model", "overdamped", "the drag depends on the place"),
     Choice("method", "heun", "the gap as the radius of a motion in a plane, weak order 2",
@@ -316,6 +322,10 @@ NEEDS = (
     Need("simulation.method",
          lambda its: its.has("spring_only") and not its.problem.force.steady,
          "follows a trap at rest, but a force or a beam changes in time", _HEUN),
+    Need("simulation.method",
+         lambda its: its.has("spring_only") and its.coupled
+         and its.problem.scene.medium.viscoelastic,
+         "cannot follow a viscoelastic medium in a trap that couples the axes", _HEUN),
     Need("simulation.method",
          lambda its: its.walls and its.model.name not in getattr(its.method, "beside_wall", ()),
          "cannot keep a bead on its side of a wall in the model {model}",
@@ -411,6 +421,8 @@ MEMORY = (
     Forgotten((DETERMINISTIC, LINEAR), lambda its: its.body, "it is known for spheres only"),
     Forgotten((DETERMINISTIC, THERMAL, LINEAR), lambda its: its.problem.scene.rarefied,
               "the gas is no continuum for the bead"),
+    Forgotten((DETERMINISTIC, THERMAL), lambda its: its.problem.rings_with_fluid,
+              "the elements of the viscoelastic medium would ring with it"),
 )  # fmt: skip
 
 

@@ -16,7 +16,17 @@ from tweezer.dynamics.emitted import module_of, takes_drag_exactly
 from tweezer.dynamics.layout import TRANSLATION
 from tweezer.dynamics.linear import LinearMotion
 from tweezer.dynamics.needs import LINEAR, without_memory
-from tweezer.fluid import Drag, Modes, Stokes, by_axis, drag, modes, single
+from tweezer.fluid import (
+    Drag,
+    Modes,
+    Network,
+    Stokes,
+    by_axis,
+    drag,
+    modes,
+    network_of,
+    single,
+)
 from tweezer.forces.acting import forces_of, try_forces
 from tweezer.forces.buoyancy import BuoyancyTorque
 from tweezer.forces.composed import Sum
@@ -32,6 +42,7 @@ from tweezer.forces.equilibria import (
 from tweezer.forces.force import Force, Wrench
 from tweezer.forces.rings import Motion, Ring, off_axis, rings
 from tweezer.forces.sites import starts
+from tweezer.forces.spring import Elastic
 from tweezer.forces.wall import CLOSEST, Contact, Dlvo
 from tweezer.optics import Beams, LightForce, light_force
 from tweezer.optics.heat import heated
@@ -76,6 +87,8 @@ class Problem:
     """forces in addition to those of the scene"""
     body: BodyMotion | None = None
     """drag and inertia of a body that is no sphere; None for a sphere"""
+    elastic: tuple[Elastic, ...] = ()
+    """spring of a gel, if the medium is one"""
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Return a call that binds the scene in another process, where addresses differ."""
@@ -89,8 +102,10 @@ class Problem:
 
     @property
     def beside_the_light(self) -> tuple[Force, ...]:
-        """Forces of walls, the torque of buoyancy, and the user's own forces."""
-        return *self.walls, *self._buoyancy, *self.others
+        """Forces of walls, the torque of buoyancy, the spring of a gel, and the user's own
+        forces.
+        """
+        return *self.walls, *self._buoyancy, *self.elastic, *self.others
 
     @property
     def walls_apart(self) -> tuple[Force, ...]:
@@ -100,7 +115,7 @@ class Problem:
     @property
     def beside_the_light_apart(self) -> tuple[Force, ...]:
         """Forces of `beside_the_light` except the contact forces."""
-        return *self.walls_apart, *self._buoyancy, *self.others
+        return *self.walls_apart, *self._buoyancy, *self.elastic, *self.others
 
     @property
     def _buoyancy(self) -> tuple[Force, ...]:
@@ -132,7 +147,12 @@ class Problem:
     @property
     def symmetric(self) -> bool:
         """Whether all forces are rotationally symmetric about the axis of the only beam."""
-        return self.light.symmetric and not self.others
+        return self.light.symmetric and not self._pulled_aside
+
+    @property
+    def _pulled_aside(self) -> bool:
+        """Whether forces of the user, or a gel's spring, may pull the bead off the axis."""
+        return bool(self.others) or any(any(each.anchor[:2]) for each in self.elastic)
 
     @functools.cached_property
     def orientation(self) -> Array:
@@ -234,10 +254,33 @@ class Problem:
         number of poles without a table.
         """
         medium, drag = self.scene.medium, 1 / self.mobility[0]
+        if self.network is not None:  # which relax to force over the solvent's drag
+            times, weights = self.network.modes()
+            return Modes(times, weights * drag / self.network.steady_drag)
         if medium.inertia == "memory":
             mass = self.bead.mass / self._scale
             return modes(mass, drag, self.bead.displaced_mass, medium.poles or POLES)
         return single(self.effective_mass / self._scale / drag)
+
+    @functools.cached_property
+    def network(self) -> Network | None:
+        """Elements of a viscoelastic medium, without a gel's spring; None in a Newtonian fluid."""
+        medium = self.scene.medium
+        if not medium.relaxes:
+            return None
+        inertial = MODELS[self.scene.simulation.model or "full"].inertia
+        return network_of(
+            self.scene, mass=self.effective_mass if inertial else 0.0,
+            drag=float(1 / self.mobility[0]), inertia=inertial and medium.inertia == "memory",
+        )  # fmt: skip
+
+    @functools.cached_property
+    def rings_with_fluid(self) -> bool:
+        """Whether the bead rings in its viscoelastic medium if the fluid has inertia."""
+        if self.network is None:
+            return False
+        network = self.changed(model="full").remembering(POLES).network
+        return network is not None and network.rings
 
     @functools.cached_property
     def linear(self) -> LinearMotion:
@@ -328,7 +371,7 @@ class Problem:
     @property
     def about_axis(self) -> bool:
         """Whether all forces come from one beam at rest and from walls across its axis."""
-        return self.scene.plain and not self.others
+        return self.scene.plain and not self._pulled_aside
 
     @property
     def round_axis(self) -> bool:
@@ -481,9 +524,26 @@ def bound_once(scene: SceneLike | Problem, others: Sequence[Force | str] = ()) -
     walls = _forces_of_walls(scene, bead)
     far = drag(scene) if body is None else Stokes(bead.drag, bead.rotational_drag)
     problem = Problem(scene, bead, far, light_force(scene), walls, forces, body)
+    if scene.medium.elasticity is not None:
+        problem = dataclasses.replace(problem, elastic=(_spring_of_gel(problem),))
     if forces:
         try_forces(forces, problem.places_about(), scene.simulation.duration)
     return problem
+
+
+def _spring_of_gel(problem: Problem) -> Elastic:
+    """Return the spring of the scene's gel; `problem` does not contain it yet."""
+    scene, anchor = problem.scene, problem.scene.start_position
+    if scene.medium.anchor == "trap":
+        if problem.equilibrium is None:
+            raise SceneError(
+                "medium.anchor = 'trap': requires a stable equilibrium in the light, and the scene "
+                "has none; set medium.anchor to start"
+            )
+        x, y, z = problem.equilibrium.position.tolist()
+        anchor = x, y, z
+    stiffness = problem.bead.drag / scene.medium.viscosity * (scene.medium.elasticity or 0.0)
+    return Elastic(stiffness, anchor)
 
 
 def _forces_of_walls(scene: Scene, bead: BeadProperties) -> tuple[Force, ...]:

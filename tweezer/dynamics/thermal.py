@@ -162,7 +162,7 @@ def _velocities(problem: Problem, mobility: Array) -> tuple[Array, Modes | None]
     tau = inertias * mobility
     if simulation.model == "scaled" and simulation.scaling_factor:
         tau = tau / simulation.scaling_factor
-    if problem.scene.medium.inertia == "memory":
+    if problem.scene.medium.inertia == "memory" and problem.network is None:
         return tau, problem.modes
     return tau, Modes(tau[:1], np.ones(1))
 

@@ -234,6 +234,8 @@ class Walk:
         place, hidden = drawn[:, _DRAWN.at("position")], drawn[:, _DRAWN.width :]
         normal = hidden.T.reshape(3, -1, n)
         z = _summed(of_step[:, memory.ROOT :], normal)
+        if not thermal and "velocity" not in self.layout:
+            return np.zeros((n, 3)), z
         if not thermal:
             # given the velocity: in a fluid at rest on average, of a bead struck to it
             seen = of_step[:, memory.SEEN]
@@ -508,8 +510,9 @@ def _taken_exactly(problem: Problem, linear: Linearised) -> Linear:
     if linear.modes is not None and len(linear.modes.times) > 1:
         times, parts = linear.modes
     return Linear(
-        linear.tau, linear.kappa, shaken, problem.relaxation_time, linear.rates, times, parts
-    )
+        linear.tau, linear.kappa, shaken, problem.relaxation_time, linear.rates, times, parts,
+        problem.network,
+    )  # fmt: skip
 
 
 def _plan(
@@ -570,7 +573,8 @@ def _loses_energy(problem: Problem, linear: Linearised) -> bool:
     """Return whether a bead oscillates so many times that the steps may remove
     noticeable energy.
     """
-    if not linear.inertial or linear.towards is not None or problem.body is not None:
+    others = problem.body is not None or problem.network is not None
+    if not linear.inertial or linear.towards is not None or others:
         return False
     swings = math.sqrt(float(linear.tau[0] * linear.kappa[TRANSLATION].max()))
     return swings > _MANY_SWINGS and linear.method.name == "heun" and problem.force.steady

@@ -9,6 +9,7 @@ from tweezer.fluid.mobilities import wall_mobilities
 from tweezer.fluid.network import Decays, Network
 from tweezer.fluid.reflection import LOWEST, Memory, memory_beside, memory_far, steady
 from tweezer.fluid.resisted import Resisted
+from tweezer.fluid.viscoelastic import network as network_of
 from tweezer.fluid.wall import BesideWall
 
 __all__ = [
@@ -31,6 +32,7 @@ __all__ = [
     "memory_beside",
     "memory_far",
     "modes",
+    "network_of",
     "other_poles",
     "single",
     "steady",

@@ -32,12 +32,16 @@ from tweezer.values.errors import SceneError
 
 #: No elements
 NONE = (np.zeros(0), np.zeros(0))
+#: Halvings of an interval that leave nothing but rounding
+_HALVINGS = 150
 #: Steps of Newton's method for the decay rates
 _NEWTON = 4
 #: Newton's step over the distance from the nearest element's rate, above which it is not taken
 _LONGEST = 0.1
 #: Imaginary part of a rate, and asymmetry of a matrix, that is rounding
 _ROUNDING = 1e-9
+#: Deviation of the sum of amplitudes from 1 that reveals wrong rates
+_LOST = 1e-6
 #: Argument of x - 1 + e^-x below which its series is summed, and the terms of the series
 _SHORT, _TERMS = 0.5, 14
 
@@ -85,6 +89,11 @@ class Network:
     def fast_drag(self) -> float:
         """Drag at frequencies above those of all elements, kg/s."""
         return self.drag + float(self.dragged[0].sum())
+
+    @property
+    def rings(self) -> bool:
+        """Whether the velocity of the free bead oscillates."""
+        return bool(np.iscomplexobj(self._zeros(0.0)[0]))
 
     def drag_at(self, frequencies: Array) -> Complex:
         """Return gamma(2 pi i f), kg/s, at `frequencies` f > 0 (n,), Hz, without the mass."""
@@ -142,7 +151,10 @@ class Network:
         if held == 0:
             raise ValueError("stiffness = 0: a free bead has no stationary position")
         rates, slopes = self._zeros(held)
-        return Decays(-held / (rates**2 * slopes), rates)
+        amplitudes = -held / (rates**2 * slopes)
+        if not abs(amplitudes.sum() - 1) < _LOST:
+            raise ArithmeticError("the rates of a bead in a viscoelastic medium are not found")
+        return Decays(amplitudes, rates)
 
     def modes(self) -> Modes:
         """Return the modes of the velocity: v = sum a_j v_j, v_j relaxing to F/beta in tau_j.
@@ -220,9 +232,12 @@ class Network:
         The eigenvalues of A have the error of its largest one; Newton's method gives the slow ones
         all their digits.
         """
-        A = Network(self.mass, self.drag, self.maxwell, self.dragged).matrix(held)
-        even = np.abs(A - A.T).max(initial=0.0) <= _ROUNDING * np.abs(A).max(initial=0.0)
-        s = np.linalg.eigvalsh((A + A.T) / 2) if even else np.linalg.eigvals(A)
+        if self.mass == 0 and not self.dragged[0].size:
+            s: Any = -self._between_elements(held)
+        else:
+            A = Network(self.mass, self.drag, self.maxwell, self.dragged).matrix(held)
+            even = np.abs(A - A.T).max() <= _ROUNDING * np.abs(A).max()
+            s = np.linalg.eigvalsh((A + A.T) / 2) if even else np.linalg.eigvals(A)
         if np.iscomplexobj(s) and np.abs(s.imag).max() == 0:
             s = s.real
         elements = -np.concatenate([[0.0], 1 / self.maxwell[1], self.dragged[1]])
@@ -236,6 +251,22 @@ class Network:
             slopes = np.where(np.isfinite(slopes), slopes, np.inf)
         order = np.argsort(np.abs(s))
         return -s[order], slopes[order]
+
+    def _between_elements(self, held: float) -> Array:
+        """Return the rates of a bead without masses, 1/s, one above the rate of each spring.
+
+        Z(-l) rises from minus to plus infinity between the rates 0 (for `held` > 0) and 1/t_j.
+        """
+        b, t = self.maxwell
+        springs = np.append(0.0, 1 / t) if held else 1 / t
+        low = np.sort(springs)
+        high = np.append(low[1:], low.max(initial=0.0) + ((b / t).sum() + held) / self.drag)
+        with np.errstate(all="ignore"):
+            for _ in range(_HALVINGS):
+                middle = 0.5 * (low + high)
+                below = self._impedance(-middle, held)[0] < 0
+                low, high = np.where(below, middle, low), np.where(below, high, middle)
+        return 0.5 * (low + high)
 
 
 def _lag(x: Any) -> Any:

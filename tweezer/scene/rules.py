@@ -9,7 +9,7 @@ from tweezer.scene.courses import refusal
 from tweezer.scene.description import FREE, Description
 from tweezer.scene.heating import check_heat
 from tweezer.scene.interference import check_interference
-from tweezer.scene.media import CONTINUUM
+from tweezer.scene.media import CONTINUUM, GASES
 from tweezer.scene.messages import either
 from tweezer.scene.sections import Beam
 from tweezer.scene.theory import NO_MAP, named_beams
@@ -42,6 +42,7 @@ def check(scene: Description) -> None:
     _thermal(scene)
     _beside_the_wall(scene)
     _inertia_of_the_fluid(scene)
+    _viscoelastic(scene)
     _some_frame(scene)
     _light_on_the_detector(scene)
     check_heat(scene)
@@ -287,6 +288,39 @@ def _inertia_of_the_fluid(scene: Description) -> None:
             f"{said}: simulation.method = {method!r} cannot integrate it; set simulation.method "
             f"to {either(['auto', *allowed])}"
         )
+
+
+def _viscoelastic(scene: Description) -> None:
+    """Refuse beads, walls, models and methods for which no viscoelastic drag is known."""
+    medium, model, method = scene.medium, scene.simulation.model, scene.simulation.method
+    if not medium.viscoelastic:
+        return
+    keys = "relaxing", "power_law", "elasticity"
+    said = f"medium.{next(key for key in keys if getattr(medium, key))}"
+    if medium.name in GASES:
+        raise refusal(f"{said}: requires a liquid; remove it, or medium.name = {medium.name!r}")
+    if scene.bead.shape != "sphere":
+        raise refusal(f"{said}: requires bead.shape = 'sphere'; remove it")
+    if scene.wall is not None:
+        raise refusal(f"{said}: is not known beside a wall; remove wall")
+    if scene.rotates:
+        raise refusal(
+            f"{said}: the rotation of a bead is not known in a viscoelastic medium; remove what "
+            "turns it: absorption, beam.torque, start.angular_velocity or forces.brownian_torque"
+        )
+    if model not in (None, "full", "overdamped"):
+        raise refusal(
+            f"simulation.model = {model!r}: cannot follow {said}; must be full or overdamped; set "
+            "simulation.model to full"
+        )
+    if method != "auto" and not METHODS[method].memory:
+        allowed = [each.name for each in methods(thermal=scene.forces.brownian) if each.memory]
+        raise refusal(
+            f"simulation.method = {method!r}: cannot follow {said}; set simulation.method to "
+            f"{either(['auto', *allowed])}"
+        )
+    if scene.camera is not None and scene.forces.brownian:
+        raise refusal(f"{said}: the motion blur of a camera is not known there; remove camera")
 
 
 def _wider_than_a_square(scene: Description, beam: Beam) -> None:

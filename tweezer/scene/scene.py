@@ -79,6 +79,8 @@ class Scene(Description):
             Row("forces", ", ".join(acting) or "none"),
             Row("run", run),
         ]  # fmt: skip
+        if medium.viscoelastic:
+            rows.insert(2, Row("viscoelastic", medium.relaxation_in_words))
         if self.wall is not None:
             rows.insert(2, Row("wall", self._planes_in_words("wall")))
         if self.heat is not None:

@@ -544,6 +544,7 @@ Time = Annotated[float, Quantity("s", 0, 1e6, usual=(0, 10))]
 PositiveTime = Annotated[float, Quantity("s", 1e-15, 1e6, usual=(0, 10))]
 Power = Annotated[float, Quantity("W", 0, 1e6, usual=(0, 10))]
 Pressure = Annotated[float, Quantity("Pa", 1e-10, 2e5)]
+Modulus = Annotated[float, Quantity("Pa", 1e-9, 1e9)]
 Molality = Annotated[float, Quantity("mol/kg", 0, 6)]
 Density = Annotated[float, Quantity("kg/m^3", 1e-6, 1e6, usual=(100, 3e4))]
 #: Down to that of a gas in ultrahigh vacuum

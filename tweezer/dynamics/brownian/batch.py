@@ -17,7 +17,7 @@ from tweezer.dynamics.body import BodyMotion
 from tweezer.dynamics.brownian import memory, propagator
 from tweezer.dynamics.brownian.coordinate import led, relaxed
 from tweezer.dynamics.brownian.propagator import Weights
-from tweezer.fluid import Mobility, Walls
+from tweezer.fluid import Mobility, Network, Walls
 from tweezer.forces.data import Data, Part, packed
 from tweezer.forces.force import Pose, Wrench, add, clear
 from tweezer.values.arrays import Array
@@ -132,6 +132,7 @@ def beads(
     gradients = n if gradient else 0
     places = 0 if uniform else n
     width = -(-n // LANES) * LANES
+    inertial = inertial or hidden > 0  # the hidden variables follow the velocities
     e = np.zeros((n if dims == 6 else 0, 4))
     return Beads(
         np.zeros((dims, width)), np.zeros((dims + 3 * hidden if inertial else 0, width)), e,
@@ -254,11 +255,15 @@ class Linear(NamedTuple):
     """(n,) relaxation times tau_j of the velocity modes of a fluid with memory, s; else empty"""
     parts: Array = _empty
     """(n,) weights a_j of these modes"""
+    network: Network | None = None
+    """elements of a viscoelastic medium, which include its modes; None in a Newtonian fluid"""
 
 
 def exact(step: float, linear: Linear) -> Weights:
     """Return the exact weights of drag, springs and noise."""
     weights = propagator.exact(step, linear.tau, linear.kappa, linear.diffusion)
+    if linear.network is not None:
+        return propagator.with_network(step, linear.network, weights, linear.diffusion)
     if not len(linear.times):
         return weights
     return propagator.with_memory(step, linear.times, linear.parts, weights, linear.diffusion)

@@ -113,7 +113,7 @@ def axis(
     np.fill_diagonal(left[1:, 1:], decay)
     told = np.zeros((2, len(T)))
     told[0, 0], told[1, 1:] = 1.0, seen / np.linalg.norm(seen)
-    noise, untold = _news(left, T @ Q[: n + 1, : n + 1] @ T.T, told)
+    noise, untold = innovations(left, T @ Q[: n + 1, : n + 1] @ T.T, told)
     variance, directions = np.linalg.eigh(np.eye(len(kept)) - untold[1:, 1:])
     rows = [
         x_by * length, decay, kept @ E[v, n + 1] * h / length, kept @ E[v, n + 2] * h / length,
@@ -169,7 +169,7 @@ def _kept(E: Array, x_by: Array, seen: Array, gone: float) -> Array:
     return np.array(found)
 
 
-def _news(left: Array, noise: Array, told: Array) -> tuple[Array, Array]:
+def innovations(left: Array, noise: Array, told: Array) -> tuple[Array, Array]:
     """Return the noise (n, 2) of the innovations, and the covariance (n, n) that stays unknown.
 
     In a step the variables y become `left` y + noise; `left` is (n, n) and `noise` its covariance

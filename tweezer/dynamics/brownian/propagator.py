@@ -12,8 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tweezer.dynamics.brownian import memory
+from tweezer.dynamics.brownian import memory, viscoelastic
 from tweezer.dynamics.layout import POSITION, ROTATION, TRANSLATION
+from tweezer.fluid import Network
 from tweezer.generated import langevin
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
@@ -146,6 +147,30 @@ def with_memory(h: float, times: Array, parts: Array, exact: Weights, diffusion:
     axes = [
         memory.axis(h, times, parts, *each) for each in zip(kappa, diffusion.tolist(), strict=False)
     ]
+    return _remembering(exact, axes)
+
+
+def with_network(h: float, network: Network, exact: Weights, diffusion: Array) -> Weights:
+    """Return the coefficients of a step in a viscoelastic medium, from those of its solvent.
+
+    Parameters
+    ----------
+    h : float
+        Length of the step, s.
+    network : Network
+        Elements of the medium, beside the solvent of the other coefficients.
+    exact : Weights
+        Coefficients in the solvent, whose springs are kept.
+    diffusion : ndarray, shape (dims,)
+        kT/drag of the solvent, m^2/s.
+    """
+    kappa = exact.kappa[TRANSLATION].tolist()
+    springs = zip(kappa, diffusion.tolist(), strict=False)
+    return _remembering(exact, [viscoelastic.axis(h, network, *each) for each in springs])
+
+
+def _remembering(exact: Weights, axes: list[memory.Axis]) -> Weights:
+    """Return coefficients with those of hidden variables along each axis."""
     none = np.ones(len(exact.kappa))
     none[TRANSLATION] = 0.0
 

@@ -1029,7 +1029,8 @@ def _begun(equations: Equations, how: Relaxation, y: Array) -> Relaxation:
     allowed = part * float(equations.absolute_tolerance[0])
     times, weights = how.modes.times[TRANSLATION], how.modes.weights[TRANSLATION]
     v = y[_MODES : _MODES + times.size].reshape(times.shape)
-    seen = rate * weights * times**2 * np.abs(v - u[:, None]) > _UNSEEN * allowed
+    seen = rate * np.abs(weights) * times**2 * np.abs(v - u[:, None]) > _UNSEEN * allowed
+    v[times == 0] = np.broadcast_to(u[:, None], times.shape)[times == 0]
     layer = _LAYER if times.shape[1] == 1 else _LAYERS
     first = layer * float(times[seen].min(initial=math.inf))
     return how._replace(
@@ -1053,7 +1054,9 @@ def _in_inertial_frame(state: Array, modes: Modes, emitted: Layout) -> Array:
     if "angular_velocity" in emitted:
         rates[ROTATION] = _rotation(e) @ state[emitted.at("angular_velocity")]
     v = np.repeat(rates[:, None], modes.times.shape[1], axis=1)
-    if modes.times.shape[1] > 1:
+    if modes.times.shape[1] > 1 and modes.times[0, 0] == 0:  # without inertia
+        v[TRANSLATION] = 0.0
+    elif modes.times.shape[1] > 1:
         v[TRANSLATION] *= Modes(modes.times[0], modes.weights[0]).struck
     return np.concatenate([state[POSITION], v.ravel(), e])
 

@@ -7,18 +7,23 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self, TypeAlias
 from pydantic import Field, StrictInt, model_validator
 
 from tweezer.scene.choices import INERTIAS, told
-from tweezer.scene.courses import refusal
+from tweezer.scene.courses import Section, refusal
 from tweezer.scene.media import MEDIA
 from tweezer.scene.sections.alternatives import BELONGING, Filled
+from tweezer.values.printed import printed
 from tweezer.values.units import (
     FluidDensity,
     FreePath,
+    Frequency,
+    Modulus,
     Molality,
+    PositiveTime,
     Pressure,
     RefractiveIndex,
     Temperature,
     Viscosity,
     WallPosition,
+    entries,
 )
 
 if TYPE_CHECKING:
@@ -27,6 +32,41 @@ if TYPE_CHECKING:
 else:
     InertiaName = Literal[tuple(INERTIAS)]
     MediumName = Literal[tuple(MEDIA)]
+
+
+#: Smallest and largest ratio of the frequencies of a power law
+_NARROWEST, _WIDEST = 10.0, 1e12
+
+
+class Relaxing(Section):
+    """A Maxwell element of a polymer solution, beside the solvent's viscosity."""
+
+    viscosity: Viscosity = Field(description="viscosity eta_j that the element adds at rest")
+    time: PositiveTime = Field(description="relaxation time tau_j")
+
+
+class PowerLaw(Section):
+    """A complex shear modulus proportional to a power of the frequency."""
+
+    exponent: Annotated[float, Field(ge=0.05, le=0.95)] = Field(
+        description="power a of the frequency, e.g. 1/2 (Rouse), 2/3 (Zimm), 3/4 (semiflexible)"
+    )
+    modulus: Modulus = Field(description="modulus |G*| at the frequency `at`")
+    at: Frequency = Field(description="frequency of the modulus")
+    band: Annotated[tuple[Frequency, Frequency], entries(2)] = Field(
+        description="frequencies between which the power law applies; the fluid is Newtonian below"
+    )
+
+    @model_validator(mode="after")
+    def _band_ascends(self) -> Self:
+        """Refuse a band that is too narrow or too wide."""
+        low, high = self.band
+        if not _NARROWEST <= high / low <= _WIDEST:
+            raise refusal(
+                f"band = ({low:g}, {high:g}): the frequencies must ascend, by a factor of "
+                f"{_NARROWEST:g} to {_WIDEST:g}"
+            )
+        return self
 
 
 class Medium(Filled):
@@ -68,6 +108,55 @@ class Medium(Filled):
         description="number of poles of the hydrodynamic memory. Default: determined by the "
         "duration and the tolerance",
     )
+
+    relaxing: Annotated[tuple[Relaxing, ...], entries(1, 50)] | None = Field(
+        None,
+        description="Maxwell elements beside the viscosity of the solvent, as [[medium.relaxing]]",
+    )
+    power_law: PowerLaw | None = Field(
+        None, description="modulus that grows as a power of the frequency, beside the solvent"
+    )
+    elasticity: Modulus | None = Field(
+        None, description="shear modulus of a gel, whose spring 6 pi r G pulls the bead back"
+    )
+    anchor: Literal["start", "trap"] | None = Field(
+        None,
+        description="where the gel formed about the bead: at start.position, or at the equilibrium "
+        "in the light. Default: start",
+    )
+
+    @property
+    def viscoelastic(self) -> bool:
+        """Whether the drag depends on the frequency by more than the fluid's inertia."""
+        return self.relaxes or self.elasticity is not None
+
+    @property
+    def relaxes(self) -> bool:
+        """Whether the medium has relaxing elements beside the solvent."""
+        return bool(self.relaxing or self.power_law)
+
+    @property
+    def relaxation_in_words(self) -> str:
+        """Elements of a viscoelastic medium beside the solvent, in words."""
+        parts = [
+            f"{printed(each.viscosity, 'mPa s')} relaxing in {printed(each.time, 'ms')}"
+            for each in self.relaxing or ()
+        ]
+        if (law := self.power_law) is not None:
+            parts.append(
+                f"|G*| = {printed(law.modulus, 'Pa')} (f/{law.at:g} Hz)^{law.exponent:.3g} from "
+                f"{law.band[0]:g} to {law.band[1]:g} Hz"
+            )
+        if self.elasticity is not None:
+            parts.append(f"{printed(self.elasticity, 'Pa')} of elasticity")
+        return ", ".join(parts)
+
+    @model_validator(mode="after")
+    def _anchor_of_a_gel(self) -> Self:
+        """Refuse an anchor without elasticity."""
+        if self.anchor is not None and self.elasticity is None:
+            raise refusal("anchor: requires elasticity; remove it")
+        return self
 
     @model_validator(mode="after")
     def _keys_of_its_name(self) -> Self:
