@@ -7,6 +7,7 @@ from typing import NamedTuple
 from tweezer.scene import Scene
 from tweezer.scene.bead import bead_properties
 from tweezer.scene.choices import MODELS, POLES
+from tweezer.values.errors import SceneError
 
 
 class Inertia(NamedTuple):
@@ -28,6 +29,11 @@ class Inertia(NamedTuple):
         The scene of a run specifies it. A measured bead has mass and hydrodynamic memory.
         """
         simulation, medium = scene.simulation, scene.medium
+        if medium.relaxes:
+            raise SceneError(
+                "medium.relaxing, medium.power_law: a fit assumes a fluid without relaxing "
+                "elements; remove them from the scene, or compare with tweezer.response"
+            )
         model = simulation.model or "full"
         if not MODELS[model].inertia:
             return cls(bead=False, fluid="none")

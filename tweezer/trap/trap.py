@@ -35,7 +35,7 @@ from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.trap import quantities as known
 from tweezer.trap.holding import Lifetime, adds_nothing, doubt, lifetime, time_without_light
 from tweezer.values.arrays import Array
-from tweezer.values.errors import ResultError, SceneError, TweezerError
+from tweezer.values.errors import ResultError, SceneError, TweezerError, warn
 from tweezer.values.measured import Measured, Result, figure
 from tweezer.values.prefixes import per
 from tweezer.values.printed import printed
@@ -587,6 +587,11 @@ def sphere_trap(scene: Scene, forces: Sequence[Force | str] = ()) -> Trap:
     """Return the trap of a sphere; see `characterise`."""
     problem = bound_once(scene, forces)
     scene = problem.scene
+    if scene.medium.relaxes:
+        warn(
+            f"{scene.name}: corner frequencies and lifetimes are those in the solvent; "
+            "tweezer.response includes the relaxing medium"
+        )
     light_force = _LightForce(problem)
     others_error = 0.0
     search = problem.search
@@ -595,7 +600,8 @@ def sphere_trap(scene: Scene, forces: Sequence[Force | str] = ()) -> Trap:
     def net_force(points: Array) -> Array:
         """Return the sum of all forces (n, 3), N, at points (n, 3), m; record the largest error."""
         nonlocal others_error
-        of_walls = (each.field(points).force for each in problem.walls_apart)
+        apart = *problem.walls_apart, *problem.elastic
+        of_walls = (each.field(points).force for each in apart)
         total, error = sum(of_walls, light_force(points) + weight), np.zeros(len(points))
         for each in problem.others:
             pushed = each.field(points)

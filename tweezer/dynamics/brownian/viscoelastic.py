@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.linalg import eig
 
 from tweezer.dynamics.brownian.memory import GONE, Axis, innovations, of_linear_motion
 from tweezer.fluid import Network
@@ -89,6 +88,8 @@ def _kept(E: Array, x_by: Array, seen: Array, gone: float) -> tuple[Array, Array
     `x_by` (n,) and `seen` (n,), by which the coordinates contribute to the displacement and to the
     velocity. Their decay (m,) in a step and their own contributions (m,) follow.
     """
+    from scipy.linalg import eig
+
     values, onto, of = eig(E, left=True)
     pairs = values.imag != 0
     slow = np.abs(values) > np.where(pairs, _PAIRS, gone)
