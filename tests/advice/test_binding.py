@@ -93,6 +93,12 @@ REFUSED: dict[str, tuple[Callable[[Problem], None], tuple[Data, ...], str, list[
     "spring of a trap that blinks": (
         thermal, (THERMAL, BLINKING, with_method("harmonic")), "follows a trap at rest", [],
     ),
+    "viscoelastic medium in a trap that couples the axes": (
+        thermal, (THERMAL, with_method("harmonic"), {
+            "beam": {"polarisation": "circular"},
+            "medium": {"relaxing": [{"viscosity": "4 mPa s", "time": "5 ms"}]},
+        }), "cannot follow a viscoelastic medium in a trap that couples", [],
+    ),
     "scheme beside a wall": (
         thermal, (THERMAL, NEAR, with_method("baoab", model="full")),
         "cannot keep a bead on its side of a wall", [],

@@ -78,6 +78,12 @@ THIN = {
     "medium": {"name": "air", "pressure": "1 mbar"}, "lens": {"numerical_aperture": 0.8},
 }  # fmt: skip
 LEVITATED = {"bead": {"diameter": "150 nm"}, "beam": {"polarisation": "linear"}}
+CHAINS = {
+    "medium": {"power_law": {
+        "exponent": 0.5, "modulus": "0.05 Pa", "at": "0.159 Hz", "band": ["1 Hz", "1 MHz"],
+    }},
+    "simulation": {"model": "full"},
+}  # fmt: skip
 OVERDAMPED = with_method("heun", model="overdamped")
 #: changes of silica-1um, forces, a change of the problem; motion and row that it reaches
 FORGOTTEN = [
@@ -101,6 +107,8 @@ FORGOTTEN = [
     ((THIN,), [], as_it_is, DETERMINISTIC, 9),
     ((THIN,), [], as_it_is, LINEAR, 9),
     ((THIN, THERMAL, with_method("heun", model="full")), [], as_it_is, needs.THERMAL, 9),
+    ((CHAINS,), [], as_it_is, DETERMINISTIC, 10),
+    ((CHAINS, THERMAL, with_method("heun", model="full")), [], as_it_is, needs.THERMAL, 10),
 ]  # fmt: skip
 
 

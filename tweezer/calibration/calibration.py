@@ -18,6 +18,7 @@ from tweezer.calibration.by_axis import ByAxis
 from tweezer.calibration.driving import Drive
 from tweezer.calibration.fits import Record
 from tweezer.calibration.free import Diffusion, Given, not_trapped
+from tweezer.calibration.inertia import Inertia
 from tweezer.calibration.results import AxisCalibration, Calibration
 from tweezer.calibration.setup import Known, Setup
 from tweezer.calibration.wall import Height
@@ -177,6 +178,7 @@ def calibrated(recording: Recording, setup: Setup) -> Calibration:
         raise ResultError(
             f"{recording.name}: in watts: requires --scene, the scene with the detector"
         )
+    Inertia.refuse_relaxing(recording.scene)
     known = setup.of(recording)
     records = _records(recording, known)
     axes: dict[str, AxisCalibration] = {}

@@ -29,11 +29,6 @@ class Inertia(NamedTuple):
         The scene of a run specifies it. A measured bead has mass and hydrodynamic memory.
         """
         simulation, medium = scene.simulation, scene.medium
-        if medium.relaxes:
-            raise SceneError(
-                "medium.relaxing, medium.power_law: a fit assumes a fluid without relaxing "
-                "elements; remove them from the scene, or compare with tweezer.response"
-            )
         model = simulation.model or "full"
         if not MODELS[model].inertia:
             return cls(bead=False, fluid="none")
@@ -54,6 +49,15 @@ class Inertia(NamedTuple):
         if self.fluid == "memory":
             return mass, found.displaced_mass
         return mass + (found.displaced_mass / 2 if self.fluid == "added-mass" else 0.0), None
+
+    @staticmethod
+    def refuse_relaxing(scene: Scene | None) -> None:
+        """Raise `SceneError` for a medium with relaxing elements, which a fit leaves out."""
+        if scene is not None and scene.medium.relaxes:
+            raise SceneError(
+                "medium.relaxing, medium.power_law: a fit assumes a fluid without relaxing "
+                "elements; remove them from the scene, or use tweezer.rheology"
+            )
 
     @property
     def words(self) -> str:

@@ -172,6 +172,7 @@ class Misfit:
         self._scene, self.recordings = _with_camera(scene, recordings, free), recordings
         self._forces = forces
         # a run keeps the inertia with which it was simulated, regardless of the fitted scene
+        Inertia.refuse_relaxing(scene)
         every = {Inertia.of(each.scene or scene) for each in recordings}
         if len(every) > 1:
             raise ResultError(
