@@ -248,7 +248,7 @@ def test_mean_spring_of_a_cubic_force_is_the_closed_form():
         return -k * off - g * off**3
 
     problem = SimpleNamespace(
-        scene=SimpleNamespace(medium=SimpleNamespace(temperature=300.0)),
+        scene=SimpleNamespace(noise_temperature=300.0),
         light=SimpleNamespace(search=SimpleNamespace(reach=1e-5)),
         net_force_apart=force, mobilities=lambda positions: np.full((len(positions), 6), 1e8),
     )  # fmt: skip
