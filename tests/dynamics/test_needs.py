@@ -145,11 +145,12 @@ def test_sphere_in_bulk_may_have_memory(changes):
 @pytest.mark.parametrize(
     ("changes", "changed", "model", "method"),
     [
-        ((THERMAL,), as_it_is, 0, 6),
-        ((THERMAL, THIN, LEVITATED), as_it_is, 0, 5),
-        ((DARK, ROD), as_it_is, 0, 4),
-        ((DARK,), by_place, 1, 3),
-        ((THERMAL, NEAR), as_it_is, 1, 2),
+        ((THERMAL, CHAINS), as_it_is, 0, 7),
+        ((THERMAL,), as_it_is, 1, 7),
+        ((THERMAL, THIN, LEVITATED), as_it_is, 1, 6),
+        ((DARK, ROD), as_it_is, 1, 5),
+        ((DARK,), by_place, 2, 4),
+        ((THERMAL, NEAR), as_it_is, 2, 3),
     ],
 )
 def test_choice_of_every_row(changes, changed, model, method):
