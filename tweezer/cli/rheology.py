@@ -66,7 +66,7 @@ def rheology(
     fit_range: FitRange = None, skip: Skip = "0", out: JsonFile = None, plot: FigureFile = None,
     overwrite: Overwrite = False, details: Details = False, quiet: Quiet = False,
 ) -> None:  # fmt: skip
-    """Determine viscoelastic moduli from a RECORDING.
+    """Measure viscoelastic moduli in a RECORDING.
 
     The thermal motion of a trapped bead determines the storage and the loss modulus of the medium,
     with 95 % confidence intervals. Exit code: 0 for moduli without findings, 1 with findings, 2 if
