@@ -85,7 +85,7 @@ def response(
     t = _above_zero("times", times, "s", _TIMES)
     f = _above_zero("frequencies", frequencies, "Hz", _FREQUENCIES)
     network, error = _network(problem)
-    kT = Boltzmann * scene.medium.temperature
+    kT = Boltzmann * scene.noise_temperature
     trap = problem.equilibrium if scene.lit else None
     gel = sum(each.stiffness for each in problem.elastic)
     held = np.full(3, gel) if trap is None else np.diag(trap.stiffness)
