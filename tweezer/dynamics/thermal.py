@@ -24,6 +24,7 @@ from tweezer.dynamics.needs import (
     with_inertia_of_the_fluid,
 )
 from tweezer.dynamics.problem import Problem
+from tweezer.dynamics.shot_noise import Recoil, recoil_of, with_recoil
 from tweezer.dynamics.step_bias import one_call_bias
 from tweezer.fluid import Modes
 from tweezer.scene.choices import METHODS, MODELS, POLES, Method
@@ -95,7 +96,7 @@ class Linearised:
     mobility: Array
     """(dims,) s/kg and 1/(N m s), at the start; beside a wall the one far from it"""
     diffusion: Array
-    """(dims,) kT times mobility, m^2/s and rad^2/s"""
+    """(dims,) kT times mobility, with the recoil of the light, m^2/s and rad^2/s"""
     centre: Array
     """(dims,) m, position of the stable equilibrium"""
     rates: Array
@@ -110,6 +111,8 @@ class Linearised:
     """rates of the motion towards a wall; None without one"""
     bias: float
     """relative error of the position's variance per step, 1/s"""
+    recoil: Recoil | None = None
+    """momentum diffusion by the recoil of the light; None without it"""
 
     @property
     def inertial(self) -> bool:
@@ -143,8 +146,12 @@ class Linearised:
         bias = 0.0
         if not (method.displacements or method.spring_only or walls):
             bias = one_call_bias(problem, mobility[TRANSLATION], kT)
+        diffusion, recoil = kT * mobility, None
+        if scene.forces.recoil:
+            recoil = recoil_of(problem)
+            diffusion = with_recoil(diffusion, mobility, recoil)
         return cls(
-            method, kT, tau, mobility, kT * mobility, centre, rates, kappa, modes, beside, bias
+            method, kT, tau, mobility, diffusion, centre, rates, kappa, modes, beside, bias, recoil
         )
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tweezer.dynamics.beside_wall import held
 from tweezer.dynamics.body import BodyMotion
-from tweezer.dynamics.brownian import crossing, march, memory, noise, propagator
+from tweezer.dynamics.brownian import crossing, laser, march, memory, noise, propagator
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
 from tweezer.dynamics.brownian.crossing import Boundary, share
 from tweezer.dynamics.brownian.exposure import HELD
@@ -48,6 +48,8 @@ _LATE, _TOLD_LATE = 0.25, 1e-3
 _MANY_SWINGS = 100.0
 #: Normal numbers of a release without those of the memory, which follow
 _DRAWN = Layout({"position": 3, "velocity": 3, "angular_velocity": 3})
+#: Blocks of a state, besides a sample, that are kept for a continued run
+_HIDDEN = ("memory", "laser")
 #: Steps of all beads that are stored for a camera in one pass
 _STEPS_AT_ONCE = 2**17
 
@@ -182,7 +184,7 @@ class Walk:
             x += apart[:, _DRAWN.at("position")]
             v = apart[:, _DRAWN.at("velocity")]
         parts |= {"position": x, "velocity": v, "exposure": np.zeros((n, HELD))}
-        parts["lost_time"] = np.full((n, 1), np.inf)
+        parts |= {"laser": np.zeros((n, laser.NUMBERS)), "lost_time": np.full((n, 1), np.inf)}
         if "orientation" in self.layout:
             e = self.problem.orientation
             w = rotation_matrices(e[None])[0] @ start.angular_velocity
@@ -285,6 +287,8 @@ class Walk:
                 "light, forces and simulation.step; or let medium.inertia = 'added-mass' in both "
                 "runs"
             )
+        if len(begun.begin.inner) != len(self._kept):
+            raise SceneError("continue_from: beam.noise must be given in both runs or in neither")
         state[self._kept] = begun.begin.inner
 
     @property
@@ -293,7 +297,7 @@ class Walk:
         variables.
         """
         columns = np.arange(self.layout.width)
-        names = [*self.shown.blocks, *(["memory"] if "memory" in self.layout else [])]
+        names = [*self.shown.blocks, *(each for each in _HIDDEN if each in self.layout)]
         return np.concatenate([columns[self.layout.at(name)] for name in names])
 
     def seen(self, states: Array) -> Array:
@@ -471,6 +475,8 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
     problem, reasons = decide(problem)
     linear = Linearised.of(problem)
     step, per_sample, reason = steps_of(problem, linear, fewest)
+    if linear.recoil is not None:
+        reasons.append(linear.recoil.words)
     simulation, scheme = problem.scene.simulation, Facts(problem).scheme
     taken = _taken_exactly(problem, linear)
     weights = scheme.weights(step, taken)
@@ -480,8 +486,9 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
     bias = linear.bias * step
     exposure = _exposure(problem, linear, step)
     layout = Layout.of_samples(inertial=linear.inertial, rotates=problem.rotates).followed_by(
-        exposure=HELD if exposure else 0, memory=3 * weights.memory.shape[2], lost_time=1
-    )
+        exposure=HELD if exposure else 0, memory=3 * weights.memory.shape[2],
+        laser=laser.NUMBERS if problem.scene.beam.noise else 0, lost_time=1,
+    )  # fmt: skip
     found = Walk(
         problem, seed, "; ".join([*reasons, reason]), step, per_sample,
         np.linspace(0.0, simulation.duration, simulation.samples), layout,
@@ -531,7 +538,18 @@ def _plan(
     return Plan(
         seed, step, per_sample, tau, linear.mobility, load, linear.diffusion, linear.centre,
         linear.kT, problem.drag.uniform or walls is not None, resisting,
+        _noise_of_laser(problem, step),
     )  # fmt: skip
+
+
+def _noise_of_laser(problem: Problem, step: float) -> Array:
+    """Return the data of the noise of the laser, (0,) without it."""
+    noise, trap = problem.scene.beam.noise, problem.equilibrium
+    if noise is None:
+        return np.zeros(0)
+    stiffness = np.zeros((3, 3)) if trap is None else trap.stiffness
+    mass = problem.effective_mass / (problem.scene.simulation.scaling_factor or 1.0)
+    return laser.data_of(noise, step, stiffness, mass)
 
 
 def _boundary(problem: Problem, linear: Linearised, step: float) -> Boundary:

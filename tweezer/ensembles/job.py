@@ -167,8 +167,9 @@ def found_of(bound: Walk) -> Attributes:
 
     They must agree among all processes that work on an ensemble.
     """
-    (*plan, drag), (*edge, _, _) = bound.plan, bound.edge  # excludes addresses of this process
-    numbers = (*plan, drag.data.numbers, *edge, *bound.weights)
+    # without the addresses of this process
+    (*plan, drag, laser), (*edge, _, _) = bound.plan, bound.edge
+    numbers = (*plan, laser, drag.data.numbers, *edge, *bound.weights)
     coefficients = b"".join(np.asarray(each).tobytes() for each in numbers)
     return {
         "step": float(bound.step),

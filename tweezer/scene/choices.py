@@ -72,6 +72,8 @@ class Method:
     """whether it can integrate hydrodynamic memory"""
     exact_drag: bool = False
     """whether it integrates the drag exactly, which limits it to models with linear drag"""
+    impulses: bool = False
+    """whether impulses may change the velocity between its steps, as by the noise of the laser"""
     multistep: bool = False
     """whether it stores differences of past states, which cannot be projected onto constraints"""
 
@@ -204,7 +206,8 @@ METHODS: dict[str, Method] = _by_name(
            bodies={"full": f"{_SCHEMES}.body_with_inertia:HEUN",
                    "overdamped": f"{_SCHEMES}.body:TRAPEZOID"}),
     Method("kick", "kicks between exact swings; the choice of auto at low damping",
-           f"{_SCHEMES}.kick:KICK", thermal=True, models=("full", "scaled"), uniform_drag=True),
+           f"{_SCHEMES}.kick:KICK", thermal=True, models=("full", "scaled"), uniform_drag=True,
+           impulses=True),
     Method("one-call", "one force evaluation per step, for distributions",
            f"{_SCHEMES}.one_call:ONE_CALL",
            thermal=True, displacements=False, uniform_drag=True, memory=True,

@@ -171,6 +171,10 @@ def _thermal(scene: Description) -> None:
             raise refusal(f"start.drawn = {scene.start.drawn!r}: requires forces.brownian = true")
         if scene.forces.brownian_torque:
             raise refusal("forces.brownian_torque = True: requires forces.brownian = true")
+        if scene.forces.recoil:
+            raise refusal("forces.recoil = True: requires forces.brownian = true")
+        if scene.beam.noise is not None:
+            raise refusal("beam.noise: requires forces.brownian = true")
         return
     if how and not how.thermal:
         raise refusal(

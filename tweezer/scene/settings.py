@@ -27,6 +27,8 @@ def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
         section, dot, name = key.partition(".")
         if not dot:
             alike = [each for each in settable() if each.rpartition(".")[2] == key]
+            fewest = min((each.count(".") for each in alike), default=0)
+            alike = [each for each in alike if each.count(".") == fewest]
             meant = f"; did you mean {' or '.join(alike)}?" if alike else ", such as beam.power"
             raise SceneError(f"{key!r}: must be section.key{meant}")
         within = sections.setdefault(section, {})

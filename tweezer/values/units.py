@@ -53,6 +53,8 @@ _PRODUCT = rf"(?:1\s*/\s*)?{_FACTORS}(?:\s*/\s*\({_FACTORS}\))?"
 _UNIT = re.compile(rf"{_PRODUCT}|degC|degF|°[CF]|celsius|fahrenheit|dBm")
 #: Pattern of units that are valid only for a frequency
 _HERTZ = re.compile(r"[mkM]?Hz|1/s")
+#: Pattern of units of spectral densities
+_PER_HERTZ = re.compile(rf"(?:1|{_POWER})\s*/\s*Hz")
 #: Temperature at 0 degC, K
 _ZERO_CELSIUS = 273.15
 #: Usual units for each SI unit, the most probable first
@@ -301,7 +303,7 @@ def _by_pint(number: float, text: str, unit: str) -> float:
     import pint
 
     try:
-        known = _HERTZ if unit == "1/s" else _UNIT
+        known = _HERTZ if unit == "1/s" else _PER_HERTZ if unit.endswith("/Hz") else _UNIT
         if not known.fullmatch(text):
             raise ValueError(f"has an unknown unit; {_convertible(text, unit)}")
         return float(registry().Quantity(number, text.replace("·", "*")).to(unit).magnitude)

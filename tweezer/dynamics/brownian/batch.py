@@ -54,6 +54,8 @@ class Plan(NamedTuple):
     """compiled drag with its data; beside a wall only the data, from
     `tweezer.dynamics.brownian.plane`
     """
+    laser: Array = np.zeros(0)
+    """(12,) noise of the laser, see `tweezer.dynamics.brownian.laser`; (0,) without it"""
 
 
 class Beads(NamedTuple):
@@ -96,6 +98,10 @@ class Beads(NamedTuple):
     """force and torque on n beads; as `pose`, in memory that has room for w"""
     resisted: Mobility
     """mobilities where the force was last evaluated; empty for a uniform drag"""
+    laser: Array
+    """(4, w) noise of the laser: relative change of the power, and place of the focus, m; (0, w)
+    without it
+    """
 
 
 def beads(
@@ -107,6 +113,7 @@ def beads(
     hidden: int = 0,
     draws: int = 0,
     body: bool = False,
+    laser: int = 0,
 ) -> Beads:
     """Return arrays of zeros for a batch of beads.
 
@@ -128,6 +135,8 @@ def beads(
         Number of normal random numbers per bead and step.
     body : bool
         Whether the force is read at other orientations than those at the beginning of a step.
+    laser : int
+        Number of random numbers that the laser has for each bead.
     """
     gradients = n if gradient else 0
     places = 0 if uniform else n
@@ -144,7 +153,7 @@ def beads(
             np.zeros((width, 3))[:n], np.zeros((width, 3))[:n], np.zeros((gradients, 3, 3)),
             np.zeros((gradients, 3, 3)), np.zeros(n),
         ),
-        Mobility(np.zeros((places, 5)), np.zeros((places, 5, 3))),
+        Mobility(np.zeros((places, 5)), np.zeros((places, 5, 3))), np.zeros((laser, width)),
     )  # fmt: skip
 
 

@@ -15,7 +15,7 @@ from numba import typeof, types
 from numpy.typing import NDArray
 
 from tweezer.compiled import address, cached_njit, call, named_njit
-from tweezer.dynamics.brownian import batch, crossing, memory, rotation
+from tweezer.dynamics.brownian import batch, crossing, laser, memory, rotation
 from tweezer.dynamics.brownian.batch import (
     BEADS,
     PART,
@@ -69,6 +69,8 @@ class Steps(NamedTuple):
     """address of the function that rotates the beads after a step; 0 without rotation, or if the
     step rotates them
     """
+    shake: int
+    """address of the function that adds the noise of the laser after a step; 0 without it"""
 
 
 def steps(scheme: Scheme, layout: Layout) -> Steps:
@@ -85,10 +87,11 @@ def steps(scheme: Scheme, layout: Layout) -> Steps:
     turn = 0
     if spheres:
         turn = address(rotation.turn_and_diffuse if diffuses else rotation.turn_by_steps, TURNS)
+    shake = address(laser.shake, laser.SHAKES) if "laser" in layout else 0
     return Steps(
         address(scheme.step, STEP), draws, layout.blocks.get("memory", 0) // 3,
         layout.first("velocity"), layout.first("orientation"), layout.first("angular_velocity"),
-        int(scheme.gradient), int(scheme.samples_ahead), int(scheme.force_first), turn,
+        int(scheme.gradient), int(scheme.samples_ahead), int(scheme.force_first), turn, shake,
     )  # fmt: skip
 
 
@@ -140,7 +143,10 @@ def advance(
         part = slice(begin, begin + _BATCH)
         here = states[part]
         n = len(here)
-        beads = batch.beads(n, dims, inertial, gradient, uniform, steps.memory, steps.draws, body)
+        beads = batch.beads(
+            n, dims, inertial, gradient, uniform, steps.memory, steps.draws, body,
+            layout.blocks.get("laser", 0),
+        )  # fmt: skip
         who = np.zeros(beads.x.shape[1], np.int64)
         who[:n] = trajectories[part]
         held = _held(layout, beads, n)
@@ -170,6 +176,7 @@ def _held(layout: Layout, beads: Beads, n: int) -> list[tuple[slice, Array]]:
         "orientation": beads.e.T,
         "angular_velocity": beads.v[ROTATION, :n],
         "memory": beads.v[len(beads.x) :, :n],
+        "laser": beads.laser[:, :n],
     }
     return [(layout.at(name), room) for name, room in rooms.items() if name in layout]
 
@@ -205,6 +212,8 @@ def loop() -> Any:
                 call(steps.scheme, (force, plan, weights, beads))
                 if steps.turn != 0:
                     call(steps.turn, (plan, who, at, beads))
+                if steps.shake != 0:
+                    call(steps.shake, (plan, who, at, beads))
                 if watched or not crossing.all_far(edge, x, n):
                     if edge.find == 0:
                         return NEAR

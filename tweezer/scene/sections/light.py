@@ -18,6 +18,7 @@ from tweezer.values.units import (
     BEAM_SIGMA,
     Angle,
     BeamSigma,
+    Frequency,
     PositiveLength,
     Power,
     Quantity,
@@ -97,6 +98,23 @@ class Lens(Section):
         if self.map == "sine" and self.numerical_aperture is None:
             raise refusal("numerical_aperture: missing; the sine map requires it")
         return self
+
+
+class LaserNoise(Section):
+    """Noise of a laser in thermal motion, for a bead that oscillates at low damping.
+
+    The power spectral densities are one-sided, and white up to a corner frequency.
+    """
+
+    power: Annotated[float, Quantity("1/Hz", 0, 1)] = Field(
+        0.0, description="spectral density of the relative change of the power"
+    )
+    position: Annotated[float, Quantity("m^2/Hz", 0, 1e-6)] = Field(
+        0.0, description="spectral density of the position of the focus along each axis"
+    )
+    corner: Frequency | None = Field(
+        None, description="corner frequency of both spectra. Default: none, white"
+    )
 
 
 class Beam(OfPupil, OfCoherent):
@@ -182,6 +200,9 @@ class Beam(OfPupil, OfCoherent):
     motion: Motion | None = Field(None, description="motion of the focus. Default: none")
     modulation: Modulation | None = Field(
         None, description="modulation of the power. Default: none"
+    )
+    noise: LaserNoise | None = Field(
+        None, description="noise of the power and of the position, in thermal motion. Default: none"
     )
 
     @model_validator(mode="before")

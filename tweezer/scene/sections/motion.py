@@ -130,6 +130,11 @@ class Forces(Section):
     brownian_torque: StrictBool = Field(
         False, description="thermal rotation (2.17), which adds the orientation to the state"
     )
+    recoil: StrictBool = Field(
+        False,
+        description="recoil of photons, which heats the bead in thermal motion; noticeable in high "
+        "vacuum",
+    )
     gravitational_acceleration: Acceleration = Field(
         9.80665,
         description="gravitational acceleration g along -z; negative for light that travels "
