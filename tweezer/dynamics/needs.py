@@ -191,6 +191,7 @@ class Facts:
         """
         problem, scene = self.problem, self.problem.scene
         forgets = scene.rarefied or scene.medium.inertia in ("none", "added-mass")
+        forgets = forgets and not scene.medium.viscoelastic
         if not (forgets and self.model.inertia and self.even) or problem.force.oriented:
             return False
         tau = problem.effective_mass * problem.mobility[0] / (scene.simulation.scaling_factor or 1)
