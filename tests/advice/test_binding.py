@@ -37,6 +37,11 @@ BODY = {
 SHAPED = {"bead": {"moments_of_inertia": [1e-28, 1e-28, 1.5e-28]}}
 DARK = {"forces": {"brownian": True, "optical": False}}
 UNLIT = {"forces": {"optical": False}}
+#: A bead that oscillates in thin gas
+LEVITATED = {
+    "bead": {"radius": "75 nm"}, "lens": {"numerical_aperture": 0.8},
+    "beam": {"polarisation": "linear"}, "medium": {"name": "air", "pressure": "1 mbar"},
+}  # fmt: skip
 ROD = {"bead": {"shape": "spheroid", "length": "2 um"}, "medium": {"inertia": "none"}}
 FILMED = {"camera": {"rate": "1 kHz", "exposure": "0.5 ms"}}
 BLINKING = {"beam": {"modulation": {"kind": "on-off", "frequency": "500 Hz"}}}
@@ -98,6 +103,16 @@ REFUSED: dict[str, tuple[Callable[[Problem], None], tuple[Data, ...], str, list[
             "beam": {"polarisation": "circular"},
             "medium": {"relaxing": [{"viscosity": "4 mPa s", "time": "5 ms"}]},
         }), "cannot follow a viscoelastic medium in a trap that couples", [],
+    ),
+    "noise of the laser in water": (
+        thermal, (THERMAL, {"beam": {"noise": {"power": 1e-12}}}), "a bead that oscillates", [],
+    ),
+    "noise of the laser beside another force": (
+        thermal, (THERMAL, LEVITATED, {"beam": {"noise": {"power": 1e-12}}}),
+        "under light and weight alone", [TURNING],
+    ),
+    "recoil in the dark": (
+        thermal, (DARK, {"forces": {"recoil": True}}), "is computed for a sphere in light", [],
     ),
     "scheme beside a wall": (
         thermal, (THERMAL, NEAR, with_method("baoab", model="full")),

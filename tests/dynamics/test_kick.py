@@ -173,6 +173,14 @@ def test_force_round_the_axis_grows_or_decays_at_its_rate():
         (THIN, 1e-9 * STIFFNESS, "heun"),
         ({"medium": {"name": "water", "inertia": "none"}}, STIFFNESS, "heun"),
         (THIN | {"simulation": {"model": "overdamped"}}, STIFFNESS, "heun"),
+        (
+            {
+                "medium": {"inertia": "none"},
+                "simulation": {"model": "full", "scaling_factor": 1e-6},
+            },
+            STIFFNESS,
+            "heun",
+        ),
     ],
 )
 def test_auto_kicks_a_bead_that_oscillates(changes, stiffness, method):

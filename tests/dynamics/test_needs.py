@@ -9,6 +9,7 @@ import tweezer
 from tests.advice.test_binding import (
     BODY,
     DARK,
+    LEVITATED,
     NEAR,
     REFUSED,
     ROD,
@@ -77,7 +78,6 @@ def as_it_is(problem):
 THIN = {
     "medium": {"name": "air", "pressure": "1 mbar"}, "lens": {"numerical_aperture": 0.8},
 }  # fmt: skip
-LEVITATED = {"bead": {"diameter": "150 nm"}, "beam": {"polarisation": "linear"}}
 CHAINS = {
     "medium": {"power_law": {
         "exponent": 0.5, "modulus": "0.05 Pa", "at": "0.159 Hz", "band": ["1 Hz", "1 MHz"],
@@ -147,7 +147,7 @@ def test_sphere_in_bulk_may_have_memory(changes):
     [
         ((THERMAL, CHAINS), as_it_is, 0, 7),
         ((THERMAL,), as_it_is, 1, 7),
-        ((THERMAL, THIN, LEVITATED), as_it_is, 1, 6),
+        ((THERMAL, LEVITATED), as_it_is, 1, 6),
         ((DARK, ROD), as_it_is, 1, 5),
         ((DARK,), by_place, 2, 4),
         ((THERMAL, NEAR), as_it_is, 2, 3),

@@ -16,6 +16,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self, TypeVar
 
 import numpy as np
+from pydantic import BaseModel
 
 from tweezer.dynamics.body import BodyMotion
 from tweezer.dynamics.brownian.batch import Scheme
@@ -89,6 +90,10 @@ class Bound(Protocol):
     @property
     def rings_with_fluid(self) -> bool:
         """Whether the bead rings in its viscoelastic medium if the fluid has inertia."""
+
+    @property
+    def beside_the_light(self) -> tuple[Force, ...]:
+        """Forces in addition to light, drag, weight and noise."""
 
     @property
     def emitted(self) -> ModuleType:
@@ -184,6 +189,11 @@ class Facts:
         return self.problem.drag.uniform and np.ptp(self.problem.mobility[TRANSLATION]) == 0
 
     @property
+    def lit_alone(self) -> bool:
+        """Whether a single beam and the weight are the only forces besides drag and noise."""
+        return not (self.problem.beside_the_light or self.problem.scene.more_beams)
+
+    @property
     def oscillates(self) -> bool:
         """Whether a sphere oscillates in a medium without memory: 4 tau kappa > 1 along an axis.
 
@@ -194,7 +204,8 @@ class Facts:
         forgets = forgets and not scene.medium.viscoelastic
         if not (forgets and self.model.inertia and self.even) or problem.force.oriented:
             return False
-        tau = problem.effective_mass * problem.mobility[0] / (scene.simulation.scaling_factor or 1)
+        scale = scene.simulation.scaling_factor if self.model.name == "scaled" else None
+        tau = problem.effective_mass * problem.mobility[0] / (scale or 1.0)
         trap = problem.equilibrium
         rates = np.zeros(1) if trap is None else np.diag(rates_of(trap, problem.mobility))
         return bool(4 * tau * rates.max() > 1)
@@ -274,7 +285,8 @@ class Need(NamedTuple):
     def refusal(self, its: Facts) -> str:
         """Return the message by which the scene is refused."""
         section, _, name = self.key.partition(".")
-        value = f" = {getattr(getattr(its.problem.scene, section), name)!r}" if name else ""
+        given = getattr(getattr(its.problem.scene, section), name) if name else None
+        value = "" if name == "" or isinstance(given, BaseModel) else f" = {given!r}"
         return f"{self.key}{value}: {its.says(self.problem)}; {self.remedy(its)}"
 
 
@@ -314,18 +326,10 @@ NEEDS = (
     Need("wall", lambda its: its.body and its.problem.scene.wall is not None,
          "thermal motion beside a wall requires a sphere", lambda _: "remove wall"),
     Need("beam.noise",
-         lambda its: its.problem.scene.beam.noise is not None and not its.has("impulses"),
-         "is computed for a bead that oscillates, by the method kick",
-         lambda _: "remove it"),
-    Need("beam.noise",
          lambda its: its.problem.scene.beam.noise is not None
-         and bool(its.problem.beside_the_light),
-         "is computed for a bead under light and weight alone", lambda _: "remove it"),
-    Need("beam.noise",
-         lambda its: its.problem.scene.beam.noise is not None
-         and (its.problem.equilibrium is None or bool(its.problem.scene.more_beams)),
-         "is computed for a bead in the stable equilibrium of a single beam",
-         lambda _: "remove it"),
+         and not (its.has("impulses") and its.lit_alone and its.problem.equilibrium),
+         "is computed for a bead that oscillates in the stable equilibrium of a single beam, by "
+         "the method kick, under light and weight alone", lambda _: "remove beam.noise"),
     Need("forces.recoil",
          lambda its: its.problem.scene.forces.recoil
          and (its.body or its.walls or its.by_place or not its.problem.scene.lit),

@@ -538,18 +538,17 @@ def _plan(
     return Plan(
         seed, step, per_sample, tau, linear.mobility, load, linear.diffusion, linear.centre,
         linear.kT, problem.drag.uniform or walls is not None, resisting,
-        _noise_of_laser(problem, step),
+        _noise_of_laser(problem, linear, step),
     )  # fmt: skip
 
 
-def _noise_of_laser(problem: Problem, step: float) -> Array:
+def _noise_of_laser(problem: Problem, linear: Linearised, step: float) -> Array:
     """Return the data of the noise of the laser, (0,) without it."""
     noise, trap = problem.scene.beam.noise, problem.equilibrium
     if noise is None:
         return np.zeros(0)
     stiffness = np.zeros((3, 3)) if trap is None else trap.stiffness
-    mass = problem.effective_mass / (problem.scene.simulation.scaling_factor or 1.0)
-    return laser.data_of(noise, step, stiffness, mass)
+    return laser.data_of(noise, step, stiffness, float(linear.tau[0] / linear.mobility[0]))
 
 
 def _boundary(problem: Problem, linear: Linearised, step: float) -> Boundary:

@@ -29,7 +29,7 @@ from tweezer.dynamics.brownian.noise import LASER, normals
 from tweezer.values.arrays import Array
 
 if TYPE_CHECKING:
-    from tweezer.scene.sections import LaserNoise
+    from tweezer.scene.sections.light import LaserNoise
 
 #: Numbers that the laser has for each bead: e, and the three components of d in m
 NUMBERS = 4
