@@ -11,7 +11,6 @@ from tweezer.calibration.inertia import Inertia
 from tweezer.calibration.left_out import LeftOut
 from tweezer.calibration.spectra import TrappedBead
 from tweezer.calibration.wall import ACROSS, Height
-from tweezer.optics.heat import heated
 from tweezer.reading.recording import Recording
 from tweezer.scene.arguments import in_si
 from tweezer.scene.bead import bead_properties
@@ -132,6 +131,8 @@ class Setup:
                 raise ResultError(
                     f"{name}: simulated without thermal motion, so there is nothing to calibrate"
                 )
+            from tweezer.optics.heat import heated  # loads Numba, which recordings do without
+
             scene = heated(scene)
             on_the_way = given["drag"] is None and self.wall is None
             mass, fluid = Inertia.of(scene).masses(scene)
