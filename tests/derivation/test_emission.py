@@ -85,7 +85,7 @@ def test_command_tells_a_stale_module(files, folder, monkeypatch, capsys):
     told = capsys.readouterr()
     added = re.findall(r"^\+(?!\+\+)(.*)", told.out, re.MULTILINE)
     assert added == [line for line in text.splitlines() if "force[0]" in line]
-    assert "1 of 31 modules differ" in told.err
+    assert f"1 of {len(files)} modules differ" in told.err
     assert stale.read_text() != text
 
 
@@ -96,7 +96,7 @@ def test_command_writes_every_module(files, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(command, "emit", lambda: files)
     monkeypatch.setattr(sys, "argv", ["derivation"])
     assert command.main() == 0
-    assert "31 modules emitted, 31 changed" in capsys.readouterr().err
+    assert f"{len(files)} modules emitted, {len(files)} changed" in capsys.readouterr().err
     for path in emission.GENERATED.glob("*.py"):
         assert (tmp_path / path.name).read_bytes() == path.read_bytes()
 
@@ -124,7 +124,7 @@ def test_emitted_modules_say_what_they_are(files):
             assert f"SymPy {sp.__version__}" in docstring
             # functions that are evaluated once are not compiled
             assert ("@njit(cache=True" in text) is (
-                name not in {"water.py", "media.py", "spline.py"}
+                name not in {"water.py", "media.py", "spline.py", "heat.py"}
             )
 
 
