@@ -195,17 +195,16 @@ class Facts:
 
     @property
     def oscillates(self) -> bool:
-        """Whether a sphere oscillates in a medium without memory: 4 tau kappa > 1 along an axis.
+        """Whether a sphere with all its inertia oscillates, without memory: 4 tau kappa > 1.
 
         tau is the relaxation time of the velocity, and kappa is stiffness over drag.
         """
         problem, scene = self.problem, self.problem.scene
         forgets = scene.rarefied or scene.medium.inertia in ("none", "added-mass")
         forgets = forgets and not scene.medium.viscoelastic
-        if not (forgets and self.model.inertia and self.even) or problem.force.oriented:
+        if not (forgets and self.model.name == "full" and self.even) or problem.force.oriented:
             return False
-        scale = scene.simulation.scaling_factor if self.model.name == "scaled" else None
-        tau = problem.effective_mass * problem.mobility[0] / (scale or 1.0)
+        tau = problem.effective_mass * problem.mobility[0]
         trap = problem.equilibrium
         rates = np.zeros(1) if trap is None else np.diag(rates_of(trap, problem.mobility))
         return bool(4 * tau * rates.max() > 1)
