@@ -73,7 +73,7 @@ def response(
 
     Examples
     --------
-    >>> found = tweezer.response("silica-1um", times=[1e-3], frequencies=[10.0])
+    >>> found = tweezer.response("silica-1um", times=[1e-4], frequencies=[10.0])
     >>> 0 < found.relaxation.sel(axis="x").item() < 1
     True
     """
