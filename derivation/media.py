@@ -7,6 +7,9 @@ Gases: the viscosity of a dilute gas of molecules of mass M/N_A follows from Cha
 theory with a collision integral Omega. With the mean free path l = (mu/p) sqrt(pi R T/(2 M)), the
 drag on a sphere of radius r depends on the Knudsen number Kn = l/r alone.
 
+Circulation: a force whose stiffness matrix has the eigenvalues a +- i b drives a bead of mass m out
+on a spiral unless the drag exceeds |b| sqrt(m/a).
+
 References
 ----------
 N.-S. Cheng, Ind. Eng. Chem. Res. 47, 3285 (2008): viscosity of glycerol in water.
@@ -136,10 +139,21 @@ rotational_factor = a / (a + 6 * Kn)
 #: mean speed of the molecules, m/s
 mean_speed = sp.sqrt(8 * GAS_CONSTANT * T / (sp.pi * M))
 
+# --- circulation --------------------------------------------------------------------------------
+m, Gamma = sp.symbols("m Gamma", positive=True)
+#: eigenvalues a +- i b of the stiffness matrix, N/m
+a_k, b_k = sp.symbols("a b", positive=True)
+circulating = sp.Matrix([[a_k, b_k], [-b_k, a_k]])
+#: drag above which every displacement decays, kg/s
+critical_drag = b_k * sp.sqrt(m / a_k)
+#: <v_i^2> of that motion over H/(m Gamma), its value without circulation, at the heating rate H
+circulation_factor = 1 / (1 - (critical_drag / (m * Gamma)) ** 2)
+
 DRAG = Equation(
     "-", "drag of a sphere in a gas over Stokes's drag", r"\beta_v/6\pi\mu r", drag_factor
 )
 MEAN_FREE_PATH = Equation("-", "mean free path in a gas", r"\lambda", mean_free_path)
+CRITICAL_DRAG = Equation("-", "drag that circulation requires", r"\beta_c", critical_drag)
 VISCOSITY = Equation(
     "-", "viscosity of a dilute gas", r"\mu_m", gas_viscosity.subs(log_e, LOG_REDUCED)
 )

@@ -64,8 +64,8 @@ def scene(light: str, viscosity: float) -> tweezer.Scene:
     )  # fmt: skip
 
 
-def growth_of(of: tweezer.Scene, place: np.ndarray) -> float:
-    """Largest real part of an eigenvalue of the linear motion, from differences of the force."""
+def gradient_at(of: tweezer.Scene, place: np.ndarray) -> np.ndarray:
+    """Gradient of the optical force, (3, 3) N/m, from its differences."""
     steps = STEP * np.eye(3)
     stencil = np.array([-2, -1, 1, 2])
     weights = np.array([1, -8, 8, -1]) / 12
@@ -73,6 +73,12 @@ def growth_of(of: tweezer.Scene, place: np.ndarray) -> float:
     for j in range(3):
         force = tweezer.optical_force(of, place + stencil[:, None] * steps[j])
         gradient[:, j] = weights @ force / STEP
+    return gradient
+
+
+def growth_of(of: tweezer.Scene, place: np.ndarray) -> float:
+    """Largest real part of an eigenvalue of the linear motion, from differences of the force."""
+    gradient = gradient_at(of, place)
     radius, density = of.bead.radius, 1050.0
     mass = 4 / 3 * math.pi * radius**3 * density
     drag = 6 * math.pi * of.medium.viscosity * radius

@@ -67,3 +67,40 @@ def test_cheng_s_formula_has_the_published_values():
     found = media.GLYCEROL_VISCOSITY.subs({media.mu_w: 1, media.w: 50 * HUNDREDTHS,
                                            media.T: 293.15})  # fmt: skip
     assert abs(found / (6.002 / 1.0050) - 1) < 2e-3
+
+
+def motion_with_circulation():
+    """Matrix of (x, y, v_x, v_y) at the damping rate Gamma."""
+    zero, one = sp.zeros(2), sp.eye(2)
+    return sp.BlockMatrix(
+        [[zero, one], [-media.circulating / media.m, -media.Gamma * one]]
+    ).as_explicit()
+
+
+def test_critical_drag_is_the_edge_of_growth():
+    """Hurwitz's determinants are positive if and only if the drag exceeds the critical one."""
+    s = sp.Symbol("s")
+    coefficients = sp.Poly(motion_with_circulation().charpoly(s).as_expr(), s).all_coeffs()
+    _, c3, c2, c1, c0 = coefficients
+    assert all(each.is_positive for each in (c3, sp.factor(c2), c1, sp.factor(c0)))
+    last = sp.factor(c3 * c2 * c1 - c1**2 - c3**2 * c0)
+    drag = media.m * media.Gamma
+    assert is_zero(
+        last - 4 * media.Gamma**2 * media.a_k / media.m**3 * (drag**2 - media.critical_drag**2)
+    )
+
+
+def test_circulation_factor_solves_the_lyapunov_equation():
+    A = motion_with_circulation()
+    H = sp.Symbol("H", positive=True)
+    unknown = sp.symbols("c:10")
+    C, k = sp.zeros(4), 0
+    for i in range(4):
+        for j in range(i + 1):
+            C[i, j] = C[j, i] = unknown[k]
+            k += 1
+    noise = sp.diag(0, 0, 2 * H / media.m, 2 * H / media.m)
+    solved = sp.solve(list(A * C + C * A.T + noise), unknown)
+    for i in (2, 3):
+        found = C[i, i].subs(solved)
+        assert is_zero(found - H / (media.m * media.Gamma) * media.circulation_factor)

@@ -8,7 +8,8 @@ In a force -K x a bead of the mobility b, whose velocity has the modes (a_j, tau
 With one mode, tau = m/beta, this is m x'' = -beta x' - K x. If K is not symmetric, as in circularly
 polarised light, the drag determines whether a displaced bead comes to rest. For the eigenvalues a
 +- i b of K with a > 0, the motion with one mode has a growing root if and only if beta < |b|
-sqrt(m/a).
+sqrt(m/a). On the edge of growth, the root s = i w of m s^2 + beta s + a + i b = 0 has m w^2 = a and
+beta w = -b. For a larger beta, both roots decay by the criterion of Routh and Hurwitz.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tweezer.fluid import Modes, modes, single
 from tweezer.values.arrays import Array, Complex
@@ -75,17 +77,17 @@ class LinearMotion:
         """
         rates = mobility[:, None] * stiffness
         kappa: Complex = np.linalg.eigvals(rates).astype(complex)
-        turning = np.abs(kappa.imag) > _ROUNDING * np.abs(kappa)
+        turns = turning(kappa)
         if self.expansion_time:
-            growing = -(kappa + self.expansion_time * kappa**2)[turning].real
+            growing = -(kappa + self.expansion_time * kappa**2)[turns].real
             return float(max(growing.max(initial=0.0), 0.0))
         even = bool(np.ptp(mobility) == 0)
-        if self.mass == 0 or (even and not turning.any()):
+        if self.mass == 0 or (even and not turns.any()):
             return 0.0  # a passive drag takes energy from every motion in a potential
-        if even and self._enough_drag(kappa[turning] / mobility[0], 1 / mobility[0]):
+        if even and self._enough_drag(kappa[turns] / mobility[0], 1 / mobility[0]):
             return 0.0
         if even:
-            inverse = _inverse(kappa[turning, None, None], self._modes(mobility[0], self.scale))
+            inverse = _inverse(kappa[turns, None, None], self._modes(mobility[0], self.scale))
         else:
             of_axes = Modes((self.mass / self.scale * mobility)[:, None], np.ones((3, 1)))
             inverse = _inverse(rates[None], of_axes)
@@ -93,6 +95,19 @@ class LinearMotion:
         slowest = np.abs(times).max(axis=1, keepdims=True)
         grows = times.real > _OF_SLOWEST * slowest
         return float((1 / times[grows]).real.max(initial=0.0))
+
+    def least_drag(self, stiffness: Array) -> float:
+        """Return the drag, equal along all axes, above which every displacement decays, kg/s.
+
+        It is the largest |b| sqrt(m/a) of the eigenvalues a +- i b of `stiffness` K, (3, 3) N/m,
+        whose real parts are positive; 0 if all eigenvalues are real, and in a model without
+        inertia. The memory of the fluid is left out; for |b| < a it lowers this drag.
+        """
+        kappa: Complex = np.linalg.eigvals(stiffness).astype(complex)
+        mass = (self.mass + 0.5 * self.displaced_mass) / self.scale
+        turns = kappa[turning(kappa)]
+        needed = np.abs(turns.imag) * np.sqrt(mass / turns.real)
+        return float(needed.max(initial=0.0))
 
     def _enough_drag(self, eigenvalues: Complex, drag: float) -> bool:
         """Return whether no root can grow, without computing the roots.
@@ -142,6 +157,12 @@ class LinearMotion:
         if self.poles:
             return modes(mass, drag, self.displaced_mass, self.poles)
         return single(mass / drag)
+
+
+def turning(eigenvalues: Complex) -> NDArray[np.bool_]:
+    """Return which eigenvalues are complex beyond rounding."""
+    turns: NDArray[np.bool_] = np.abs(eigenvalues.imag) > _ROUNDING * np.abs(eigenvalues)
+    return turns
 
 
 def _inverse(rates: Array | Complex, velocity: Modes) -> Array | Complex:

@@ -151,7 +151,7 @@ def medium(scene: SceneLike) -> MediumProperties:
     along = about = math.hypot(of_viscosity, hot.drag_error)
     if said.name in GASES:
         accommodation = said.accommodation or 1.0
-        along = math.hypot(along, _error_of_slip(knudsen, accommodation))
+        along = math.hypot(along, error_of_slip(knudsen, accommodation))
         about = math.hypot(about, _error_of_rotation(knudsen))
     return MediumProperties(
         said.name or "",
@@ -166,7 +166,7 @@ def medium(scene: SceneLike) -> MediumProperties:
     )  # fmt: skip
 
 
-def _error_of_slip(knudsen: float, accommodation: float) -> float:
+def error_of_slip(knudsen: float, accommodation: float) -> float:
     """Return the relative error of the drag of a sphere in a gas.
 
     The formula was made for diffuse reflection, a = 1, from which published factors deviate by up

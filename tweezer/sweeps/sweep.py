@@ -101,7 +101,8 @@ def sweep(
         is a variable with the suffix `_error`, which the attribute `ancillary_variables` names.
 
         * trap: equilibrium, stiffness and corner frequency (axis), escape force and escape energy
-          in k_B T (direction), lifetime (infinite above 1e20 s), and `trapped`, whether there is a
+          in k_B T (direction), lifetime (infinite above 1e20 s), in a gas least pressure, recoil
+          heating and temperatures (axis), and `trapped`, whether there is a
           stable equilibrium at least 1 k_B T deep. The outcome is "held", "shallow" if the easiest
           straight escape requires less than 10 k_B T, or "not held" if it requires less than
           1 k_B T. The errors are those of the optical force in its theory; `caveat` describes the

@@ -38,13 +38,23 @@ ESCAPE_ENERGY = Quantity(
     "escape_energy", "J", "work of pulling the bead out", "direction", compared=True
 )
 LIFETIME = Quantity("lifetime", "s", "mean time that thermal motion leaves the bead in the trap")
+LEAST_PRESSURE = Quantity(
+    "least_pressure", "Pa", "pressure of the gas above which a displaced bead comes to rest",
+    compared=True, shown="Pa",
+)  # fmt: skip
+RECOIL_HEATING = Quantity(
+    "recoil_heating", "W", "heating by the recoil of photons along each axis", "axis", shown="W"
+)
+TEMPERATURE = Quantity(
+    "temperatures", "K", "temperature of the motion along each axis in a thin gas", "axis"
+)
 FORCE_ERROR = Quantity("force_error", "N", "largest error of the force of the light", kind="")
 POWER = Quantity(
     "power_through_the_pupil", "W", "power through the pupil", swept=False, compared=True
 )
 QUANTITIES = (
     EQUILIBRIUM, STIFFNESS, CORNER, RESONANCE, QUALITY, RING, ESCAPE_FORCE, ESCAPE_ENERGY,
-    LIFETIME, FORCE_ERROR, POWER,
+    LIFETIME, LEAST_PRESSURE, RECOIL_HEATING, TEMPERATURE, FORCE_ERROR, POWER,
 )  # fmt: skip
 ROTATIONAL_STIFFNESS = Quantity(
     "rotational_stiffness", "N m", "stiffness against rotation at the equilibrium", "axis",

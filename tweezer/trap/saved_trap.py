@@ -13,6 +13,8 @@ from pydantic import TypeAdapter, ValidationError
 from tweezer.dynamics.escape import Escape
 from tweezer.forces.equilibria import DIRECTIONS
 from tweezer.results.schema import of_validation
+from tweezer.scene.media import GASES
+from tweezer.trap import levitation
 from tweezer.trap.holding import Lifetime
 from tweezer.trap.trap import Trap
 from tweezer.values.errors import ResultError
@@ -20,7 +22,10 @@ from tweezer.values.saved import kind_of, read_json
 from tweezer.values.version import __version__
 
 #: Entries of the file that are not fields of `Trap`
-_BESIDE = ("lifetime", "lifetime_caveat", "lifetime_without_light")
+_BESIDE = (
+    "lifetime", "lifetime_caveat", "lifetime_without_light", "least_drag", "least_pressure",
+    "recoil_heating", "recoil_pressures", "temperatures", "photon_recoil",
+)  # fmt: skip
 #: Entries that are missing in files of older versions, with their defaults
 _NEWER: dict[str, Any] = {
     "resonance_frequencies": None, "quality_factors": None, "rings": [], "searched": "",
@@ -38,6 +43,8 @@ def content_of(trap: Trap) -> dict[str, Any]:
     content["lifetime"] = held and dataclasses.asdict(held) | {"words": held.words}
     content["lifetime_caveat"] = trap.lifetime_caveat
     content["lifetime_without_light"] = without and dataclasses.asdict(without)
+    if trap.scene.medium.name in GASES:
+        content |= levitation.content_of(trap)
     return {
         "tweezer_version": __version__,
         "scene": scene,
@@ -65,7 +72,7 @@ def trap_in(saved: Any, path: Path) -> tuple[Trap, str]:
     try:
         found = _known(Trap, _NEWER | saved["trap"])
         version = str(saved["tweezer_version"])
-        lifetime, _, without_light = (found.pop(name, None) for name in _BESIDE)
+        lifetime, _, without_light, *_, recoil = (found.pop(name, None) for name in _BESIDE)
         escapes = [_known(Escape, each) for each in found["escapes"]]
         rings = [each | {"escapes": _escapes(each["escapes"])} for each in found["rings"]]
         trap = TypeAdapter(Trap).validate_python(
@@ -81,6 +88,9 @@ def trap_in(saved: Any, path: Path) -> tuple[Trap, str]:
         if "lifetime" in saved["trap"]:
             vars(trap)["lifetime"] = lifetime and _lifetime(lifetime)
             vars(trap)["lifetime_without_light"] = without_light and _lifetime(without_light)
+        if "photon_recoil" in saved["trap"]:
+            validated = TypeAdapter(levitation.Recoil | None).validate_python(recoil)
+            vars(trap)["photon_recoil"] = validated
     except ValidationError as error:
         raise ResultError(f"{path}: not a saved trap: {of_validation(error)}") from None
     except KeyError as error:

@@ -32,6 +32,7 @@ from tweezer.optics.heat import heated
 from tweezer.optics.light import SPEED_OF_LIGHT, LightForce
 from tweezer.optics.worth import between
 from tweezer.scene import Scene, SceneLike, checked_scene
+from tweezer.trap import levitation
 from tweezer.trap import quantities as known
 from tweezer.trap.holding import Lifetime, adds_nothing, doubt, lifetime, time_without_light
 from tweezer.values.arrays import Array
@@ -178,6 +179,66 @@ class Trap(Comparable, Result):
             return None
         return time_without_light(self.scene, self._holds, self.reach)
 
+    @functools.cached_property
+    def least_drag(self) -> float | None:
+        """Drag above which every displacement of the bead decays, kg/s.
+
+        It is the largest |b| sqrt(m/a) of the eigenvalues a +- i b of the stiffness matrix, and 0
+        if all of them are real. It refers to the equilibrium nearest the focus that pulls the bead
+        back along every axis, even if the drag of the scene is too small. Then `equilibrium` is
+        another one, or None.
+        The mass m includes the added mass if fluid inertia is included. None without such an
+        equilibrium.
+        """
+        return levitation.least_drag(self)
+
+    @property
+    def least_pressure(self) -> float | None:
+        """Pressure of the scene's gas at which its drag equals `least_drag`, Pa.
+
+        It is 0 if the bead is stable at any pressure, and infinite if the drag at 2 bar is not
+        enough. The stiffness is that at the scene's pressure. None without a named gas, beside a
+        wall, or with a given mean free path.
+        """
+        found = levitation.least_pressure(self)
+        return found and found[0]
+
+    @functools.cached_property
+    def photon_recoil(self) -> levitation.Recoil | None:
+        """Momentum diffusion by the recoil of photons at `equilibrium`, computed on first use.
+
+        None without an equilibrium, and for light whose scattering `tweezer.recoil` does not
+        compute, such as ray optics.
+        """
+        return levitation.photon_recoil(self)
+
+    @property
+    def recoil_heating(self) -> Vector | None:
+        """Heating S_ii/(2 m) by the recoil of photons along each axis at `equilibrium`, (3,) W.
+
+        S is the momentum diffusion (`tweezer.recoil`). None where `photon_recoil` is.
+        """
+        return levitation.recoil_heating(self)
+
+    @property
+    def recoil_pressures(self) -> Vector | None:
+        """Pressures at which the gas heats each axis as much as photon recoil does, (3,) Pa.
+
+        The gas heats an axis by k_B T beta_v/m. None where `recoil_heating` or `least_pressure` is.
+        """
+        return levitation.recoil_pressures(self)
+
+    @property
+    def temperatures(self) -> Vector | None:
+        """Temperature m <v_i^2>/k_B of the harmonic motion along each axis, (3,) K.
+
+        Without circulation it is T + m H_i/(k_B beta_v), with the temperature T of the medium and
+        the `recoil_heating` H_i. Circulation increases it by the factor
+        1/(1 - (`least_drag`/beta_v)^2). Noise of the laser, the temperature of the bead's surface
+        and fluid inertia are left out. None where `recoil_heating` is, and beside a wall.
+        """
+        return levitation.temperatures(self)
+
     @property
     def ring(self) -> Ring | None:
         """The ring that holds the bead; None if `equilibrium` holds it, or if it is not held."""
@@ -295,6 +356,7 @@ class Trap(Comparable, Result):
         if "lifetime" in vars(self) or self.other_forces:
             held = self.lifetime
             yield known.LIFETIME(held.time, held.error) if held else known.LIFETIME(None)
+        yield from levitation.measured(self)
         yield known.FORCE_ERROR(error)
         yield known.POWER(self.power_through_pupil, 0.0)
 
@@ -331,7 +393,7 @@ class Trap(Comparable, Result):
             "Trap", self.scene.name,
             (
                 Row("power through the pupil", power), *self._mask(), *self._efficiencies(),
-                *self._held(),
+                *self._held(), *levitation.rows(self),
                 *self._others(), *self._heat(), *own,
                 Row("error of the force", printed(self.force_error, "pN", 1), of="force_error",
                     detail=below_four_digits(weakest, self.force_error)),
