@@ -29,7 +29,6 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
-from scipy.optimize import brentq
 
 from tweezer.dynamics import bound_once
 from tweezer.dynamics.linear import turning
@@ -169,6 +168,8 @@ def pressure_of_drag(scene: Scene, drag: float) -> tuple[float, float]:
     drag : float
         Drag, kg/s.
     """
+    from scipy.optimize import brentq  # loads slowly, and most traps do without
+
     gas, radius = scene.medium, scene.bead.radius
     assert gas.name is not None
     assert gas.pressure is not None
