@@ -125,7 +125,7 @@ def test_trap_run_and_sweep_agree():
     """Beside the least pressure a run's distance grows or decays, as the equilibria say."""
     least = tweezer.characterise(levitated(300e-9)).least_pressure
     pressures = [0.3 * least, 3 * least]
-    swept = tweezer.sweep(levitated(300e-9), {"medium.pressure": pressures})
+    swept = tweezer.sweep(levitated(300e-9), {"medium.pressure": pressures}, workers=1)
     in_focus = np.abs(swept["equilibrium"].sel(axis="z").values) < 1.5e-6
     assert in_focus.tolist() == [False, True]
     assert swept["least_pressure"].values == pytest.approx(2 * [least], rel=5e-3)
@@ -138,10 +138,10 @@ def test_trap_run_and_sweep_agree():
         start = place + np.array([2e-9, 0, 0])
         run = tweezer.simulate(scene.replace(
             start={"position": start.tolist()},
-            simulation={"duration": 1e-3, "samples": 2001, "model": "full"},
+            simulation={"duration": 0.7e-3, "samples": 1001, "model": "full"},
         ))  # fmt: skip
         away = np.linalg.norm(run["position"].values[:, :2] - place[:2], axis=1)
-        assert (away[-200:].max() > away[:200].max()) == grows, pressure
+        assert (away[-100:].max() > away[:100].max()) == grows, pressure
 
 
 def test_recoil_heating_and_its_pressures():

@@ -4,12 +4,11 @@ Circulation: light whose force turns about an equilibrium drives a bead out on a
 drag exceeds `tweezer.dynamics.linear.LinearMotion.least_drag`. In a gas of mean free path l the
 drag on a sphere of radius r depends on the pressure p by Kn = l/r, which is proportional to 1/p.
 
-Energies: a bead of mass m in the force -K x, with the damping rate Gamma and white forces of the
-two-sided spectral density 2 m H, where H, (3, 3) W, is the heating rate of each axis and pair,
-moves by
+Energies: a bead of mass m with the damping rate Gamma moves in the force -K x by
 
-    x'' = -Gamma x' - (K/m) x + f/m.
+    x'' = -Gamma x' - (K/m) x + f/m,
 
+where white forces f of the two-sided spectral density 2 m H heat it at the rate H, (3, 3) W.
 With the eigenvalues kappa_j of K/m, their right vectors R and left vectors L = R^-1, the stationary
 covariance of the velocity is R W R^H with
 
@@ -245,9 +244,9 @@ def recoil_pressures(trap: Trap) -> Vector | None:
 def steady_energies(rates: Array, damping: float, heating: Array) -> Array:
     """Return the steady energies m <v_i^2> of a damped bead, (3,) J.
 
-    Without coupling of the axes they are the steady states of dE/dt = -Gamma E + H. The heating of
-    a thermal bath is Gamma k_B T. A process that adds energy in proportion to the energy of an axis
-    adds its rate times E to H.
+    Without coupling of the axes they solve dE/dt = -Gamma E + H = 0. A thermal bath contributes
+    Gamma k_B T to H. A process whose heating is proportional to the energy contributes its rate
+    times E.
 
     Parameters
     ----------

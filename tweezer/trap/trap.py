@@ -186,9 +186,9 @@ class Trap(Comparable, Result):
         It is the largest |b| sqrt(m/a) of the eigenvalues a +- i b of the stiffness matrix, and 0
         if all of them are real. It refers to the equilibrium nearest the focus that pulls the bead
         back along every axis, even if the drag of the scene is too small. Then `equilibrium` is
-        another one, or None.
-        The mass m includes the added mass if fluid inertia is included. None without such an
-        equilibrium.
+        another one, or None. The mass m includes the added mass if fluid inertia is included.
+
+        The drag is None without such an equilibrium.
         """
         return levitation.least_drag(self)
 
