@@ -736,3 +736,12 @@ def test_page_quotes_the_committed_depths():
         assert each["determined"]["coverage"] >= 0.92
         assert each["determined"]["coverage_to"] >= 0.95
         assert abs(each["bias_of_interval"]) < 0.2 or each["fit"]
+
+
+def test_medium_with_relaxing_elements_is_refused():
+    scene = tweezer.load_scene("silica-1um").replace(
+        medium={"relaxing": [{"viscosity": "4 mPa s", "time": "5 ms"}]}
+    )
+    track = Track(1e-3 * np.arange(20.0), 1e-9 * np.arange(20.0)[:, None] * [1.0, 0.0], name="line")
+    with pytest.raises(SceneError, match=r"medium\.relaxing.*: a fit assumes a fluid without"):
+        tweezer.fit_depth(track, scene, noise=1e-8, search=(-2e-6, -1e-6))

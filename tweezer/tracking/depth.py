@@ -20,6 +20,7 @@ import xarray as xr
 from scipy.stats.qmc import Sobol
 
 from tweezer.calibration.findings import REFUTED
+from tweezer.calibration.inertia import Inertia
 from tweezer.dynamics.models import EquationsOfMotion, bind_translation
 from tweezer.dynamics.problem import bound_once
 from tweezer.fluid import drag
@@ -431,6 +432,7 @@ class _Likelihood:
             scene = scene.replace(optics={"evaluator": "map", "table_range": range_})
         if not scene.plain:
             raise SceneError("beam: a depth is fitted only with one fixed beam from below")
+        Inertia.refuse_relaxing(scene)
         self._light = light_of_one_beam(scene)
         self._problem = bound_once(scene)
         self._kT = Boltzmann * self._problem.scene.noise_temperature
