@@ -112,7 +112,7 @@ REFUSED: dict[str, tuple[Callable[[Problem], None], tuple[Data, ...], str, list[
         "under light and weight alone", [TURNING],
     ),
     "recoil in the dark": (
-        thermal, (DARK, {"forces": {"recoil": True}}), "is computed for a sphere in light", [],
+        thermal, (DARK, {"forces": {"recoil": True}}), "for a sphere in steady light", [],
     ),
     "scheme beside a wall": (
         thermal, (THERMAL, NEAR, with_method("baoab", model="full")),

@@ -137,7 +137,7 @@ def test_noise_does_not_depend_on_how_a_run_is_divided():
           "beam": {"noise": {"power": 1e-12}}},
          "a bead that oscillates"),
         ({"forces": {"recoil": True, "optical": False}, "start": {"drawn": "no"}},
-         "requires? a sphere|computed for a sphere in light"),
+         "computed for a sphere in steady light"),
         ({"beam": {"noise": {"power": "1e-12 W/Hz"}}}, "convertible to 1/Hz"),
         ({"beam": {"noise": {"position": "1e-12 m"}}}, r"convertible to m\^2/Hz"),
     ],
@@ -145,6 +145,29 @@ def test_noise_does_not_depend_on_how_a_run_is_divided():
 def test_wrong_baths_are_refused(sections, message):
     with pytest.raises(SceneError, match=message):
         walk(in_place(bound_once(SCENE.replace(**sections)), LinearTrap(STIFFNESS)))
+
+
+@pytest.mark.parametrize(
+    ("sections", "message"),
+    [
+        ({"forces": {"recoil": True}}, "computed for a sphere in steady light"),
+        ({"beam": {"noise": {"power": 1e-12}}}, "a single, steady beam"),
+    ],
+)
+def test_baths_in_light_that_changes_are_refused(sections, message):
+    blinking = SCENE.replace(beam={"modulation": {"kind": "on-off", "frequency": "1 kHz"}})
+    with pytest.raises(SceneError, match=message):
+        walk(bound_once(blinking.replace(**sections)))
+
+
+@pytest.mark.parametrize("brownian", [True, False])
+def test_noise_of_a_second_beam_is_refused(brownian):
+    data = SCENE.model_dump(exclude_none=True)
+    data["more_beams"] = [data["beam"] | {"noise": {"power": 1e-12}}]
+    data["forces"]["brownian"] = brownian
+    data["start"]["drawn"] = "no"
+    with pytest.raises(SceneError, match=r"beam\.noise: "):
+        walk(bound_once(tweezer.load_scene(data)))
 
 
 def test_noise_beside_forces_other_than_light_is_refused():

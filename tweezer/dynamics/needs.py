@@ -190,8 +190,10 @@ class Facts:
 
     @property
     def lit_alone(self) -> bool:
-        """Whether a single beam and the weight are the only forces besides drag and noise."""
-        return not (self.problem.beside_the_light or self.problem.scene.more_beams)
+        """Whether only a single, steady beam and the weight act, besides drag and noise."""
+        problem = self.problem
+        several = problem.beside_the_light or problem.scene.more_beams
+        return problem.force.steady and not several
 
     @property
     def oscillates(self) -> bool:
@@ -256,7 +258,7 @@ CHOICES = (
     Choice("method", "euler-maruyama", "the drag depends on the place", lambda its: its.by_place),
     Choice("method", "heun", "steps on the group of poses, weak order 2", lambda its: its.body),
     Choice("method", "kick", "the bead oscillates, and the steps keep its energy",
-           lambda its: its.oscillates and not its.problem.scene.medium.relaxes),
+           lambda its: its.oscillates),
     Choice("method", "heun", "exact drag and noise, weak order 2"),
 )  # fmt: skip
 
@@ -285,7 +287,7 @@ class Need(NamedTuple):
         """Return the message by which the scene is refused."""
         section, _, name = self.key.partition(".")
         given = getattr(getattr(its.problem.scene, section), name) if name else None
-        value = "" if name == "" or isinstance(given, BaseModel) else f" = {given!r}"
+        value = "" if isinstance(given, BaseModel | None) else f" = {given!r}"
         return f"{self.key}{value}: {its.says(self.problem)}; {self.remedy(its)}"
 
 
@@ -325,14 +327,15 @@ NEEDS = (
     Need("wall", lambda its: its.body and its.problem.scene.wall is not None,
          "thermal motion beside a wall requires a sphere", lambda _: "remove wall"),
     Need("beam.noise",
-         lambda its: its.problem.scene.beam.noise is not None
+         lambda its: its.problem.scene.noisy_light
          and not (its.has("impulses") and its.lit_alone and its.problem.equilibrium),
-         "is computed for a bead that oscillates in the stable equilibrium of a single beam, by "
-         "the method kick, under light and weight alone", lambda _: "remove beam.noise"),
+         "is computed for a bead that oscillates in the stable equilibrium of a single, steady "
+         "beam, by the method kick, under light and weight alone", lambda _: "remove beam.noise"),
     Need("forces.recoil",
          lambda its: its.problem.scene.forces.recoil
-         and (its.body or its.walls or its.by_place or not its.problem.scene.lit),
-         "is computed for a sphere in light with a drag that is the same everywhere",
+         and (its.body or its.walls or its.by_place or not its.problem.scene.lit
+              or not its.problem.force.steady),
+         "is computed for a sphere in steady light, with a drag that is the same everywhere",
          _set("forces.recoil", "false")),
     Need("simulation.model",
          lambda its: its.body and its.model.inertia and its.problem.scene.camera is not None,

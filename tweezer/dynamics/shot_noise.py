@@ -17,55 +17,63 @@ from typing import NamedTuple
 import numpy as np
 
 from tweezer.dynamics.layout import TRANSLATION
-from tweezer.dynamics.problem import Problem
 from tweezer.optics.recoil import recoil
+from tweezer.scene import Scene
 from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
 
 
 class Recoil(NamedTuple):
-    """Momentum diffusion of a bead along the axes."""
+    """Momentum diffusion of a bead, and its change over the thermal motion."""
 
-    rates: Array
-    """(3,) S_ii, N^2 s, at the equilibrium, or at the start without one"""
-    left_out: float
-    """largest entry beside the diagonal over the largest on it; it is left out"""
-    varies: float
-    """largest relative change of a rate one standard deviation from there"""
+    diffusion: Array
+    """(3, 3) S, N^2 s, at a position"""
+    beside: Array
+    """(2, 3, 3, 3) S one standard deviation beside it, in both directions along each axis"""
 
     @property
     def words(self) -> str:
         """Description of the bath in a few words."""
-        largest = float(self.rates.max())
+        rates = self.diffusion.diagonal()
+        largest = float(rates.max())
+        varies = np.abs(self.beside.diagonal(axis1=2, axis2=3) - rates).max() / largest
+        couples = np.abs(self.diffusion - np.diag(rates)).max() / largest
         return (
-            f"recoil of the light: {largest:.2g} N^2 s at the equilibrium; it changes by "
-            f"{100 * self.varies:.1g} % within a standard deviation, and "
-            f"{100 * self.left_out:.1g} % of it couples the axes, both left out"
+            f"recoil of the light: {largest:.2g} N^2 s where the bead rests; it changes by "
+            f"{100 * varies:.1g} % within a standard deviation, and {100 * couples:.1g} % of it "
+            "couples the axes, both left out"
         )
 
+    def added_to(self, diffusion: Array, mobility: Array) -> Array:
+        """Return diffusion coefficients (dims,) in the medium and the light.
 
-def recoil_of(problem: Problem) -> Recoil:
-    """Return the momentum diffusion of the bead of a problem by recoil."""
-    trap, scene = problem.equilibrium, problem.scene
-    kT = Boltzmann * scene.noise_temperature
-    if trap is None:
-        places = np.array([scene.start_position])
-    else:
-        spread = np.diag(np.sqrt(kT / trap.stiffness_xyz))
-        places = trap.position + np.vstack([np.zeros(3), spread, -spread])
-    found = recoil(scene, places)
-    here = found[0]
-    rates = np.diag(here).copy()
-    beside = np.abs(here - np.diag(rates)).max() / rates.max()
-    along = found[:, range(3), range(3)]
-    return Recoil(rates, float(beside), float((np.abs(along - rates) / rates.max()).max()))
+        `diffusion` (dims,) belongs to the medium. `mobility` (dims,) is in s/kg, then 1/(N m s).
+        Rotation is not changed.
+        """
+        heated = diffusion.copy()
+        heated[TRANSLATION] += 0.5 * self.diffusion.diagonal() * mobility[TRANSLATION] ** 2
+        return heated
 
 
-def with_recoil(diffusion: Array, mobility: Array, found: Recoil) -> Array:
-    """Return diffusion coefficients (dims,) with the recoil, from those in the medium.
+def recoil_at(scene: Scene, position: Array, stiffness: Array) -> Recoil:
+    """Return the momentum diffusion of a bead by recoil.
 
-    `mobility` (dims,) is in s/kg, then 1/(N m s). Rotation is not changed.
+    Parameters
+    ----------
+    scene : Scene
+        Scene of a sphere in light.
+    position : ndarray, shape (3,)
+        Position of the equilibrium, or another one, m.
+    stiffness : ndarray, shape (3,)
+        Stiffness along each axis, N/m, which gives the standard deviations; infinite for a bead
+        that is not trapped.
+
+    Raises
+    ------
+    SceneError
+        For light whose scattering is not computed; see `tweezer.recoil`.
     """
-    heated = diffusion.copy()
-    heated[TRANSLATION] += 0.5 * found.rates * mobility[TRANSLATION] ** 2
-    return heated
+    spread = np.diag(np.sqrt(Boltzmann * scene.noise_temperature / stiffness))
+    displaced = np.stack([spread, -spread]).reshape(-1, 3)
+    found = recoil(scene, position + np.vstack([np.zeros(3), displaced]))
+    return Recoil(found[0], found[1:].reshape(2, 3, 3, 3))

@@ -24,7 +24,7 @@ from tweezer.dynamics.needs import (
     with_inertia_of_the_fluid,
 )
 from tweezer.dynamics.problem import Problem
-from tweezer.dynamics.shot_noise import Recoil, recoil_of, with_recoil
+from tweezer.dynamics.shot_noise import Recoil, recoil_at
 from tweezer.dynamics.step_bias import one_call_bias
 from tweezer.fluid import Modes
 from tweezer.scene.choices import METHODS, MODELS, POLES, Method
@@ -148,8 +148,11 @@ class Linearised:
             bias = one_call_bias(problem, mobility[TRANSLATION], kT)
         diffusion, recoil = kT * mobility, None
         if scene.forces.recoil:
-            recoil = recoil_of(problem)
-            diffusion = with_recoil(diffusion, mobility, recoil)
+            place, stiffness = np.array(scene.start_position), np.full(3, math.inf)
+            if trap is not None:
+                place, stiffness = trap.position, trap.stiffness_xyz
+            recoil = recoil_at(scene, place, stiffness)
+            diffusion = recoil.added_to(diffusion, mobility)
         return cls(
             method, kT, tau, mobility, diffusion, centre, rates, kappa, modes, beside, bias, recoil
         )

@@ -251,6 +251,11 @@ class Description(Section):
         return to_si(reach, "m") if isinstance(reach, str) else reach * self.body.size
 
     @property
+    def noisy_light(self) -> bool:
+        """Whether any beam has noise."""
+        return any(beam.noise is not None for beam in self.beams)
+
+    @property
     def lit(self) -> bool:
         """Whether any beam has power and optical forces act."""
         lit = any(beam.power or beam.power_through_pupil for beam in self.beams)

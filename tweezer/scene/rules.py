@@ -173,7 +173,7 @@ def _thermal(scene: Description) -> None:
             raise refusal("forces.brownian_torque = True: requires forces.brownian = true")
         if scene.forces.recoil:
             raise refusal("forces.recoil = True: requires forces.brownian = true")
-        if scene.beam.noise is not None:
+        if scene.noisy_light:
             raise refusal("beam.noise: requires forces.brownian = true")
         return
     if how and not how.thermal:

@@ -31,9 +31,9 @@ import numpy as np
 
 from tweezer.dynamics import bound_once
 from tweezer.dynamics.linear import turning
+from tweezer.dynamics.shot_noise import recoil_at
 from tweezer.fluid.medium import error_of_slip, medium
 from tweezer.forces.equilibria import Equilibrium
-from tweezer.optics.recoil import recoil
 from tweezer.scene.media import GASES, MEDIA, PRESSURES, drag_factors
 from tweezer.trap import quantities as known
 from tweezer.values.arrays import Array
@@ -214,13 +214,11 @@ def photon_recoil(trap: Trap) -> Recoil | None:
     place = trap.equilibrium
     if place is None:
         return None
-    spread = np.sqrt(Boltzmann * trap.scene.noise_temperature / place.stiffness_xyz)
-    displaced = np.vstack([np.zeros((1, 3)), np.diag(spread), -np.diag(spread)])
     try:
-        there, *others = recoil(trap.scene, place.position + displaced)
+        there, beside = recoil_at(trap.scene, place.position, place.stiffness_xyz)
     except SceneError:
         return None
-    mean_change = np.abs((np.array(others) - there).sum(axis=0).diagonal() / 2)
+    mean_change = np.abs((beside - there).sum(axis=(0, 1)).diagonal() / 2)
     return Recoil(fixed(there), fixed(_OF_RECOIL * np.abs(there).max() + mean_change))
 
 

@@ -99,8 +99,8 @@ class Beads(NamedTuple):
     resisted: Mobility
     """mobilities where the force was last evaluated; empty for a uniform drag"""
     laser: Array
-    """(4, w) noise of the laser: relative change of the power, and place of the focus, m; (0, w)
-    without it
+    """(4, w) noise of the laser: relative change of the power, and position of the focus, m;
+    (0, w) without it
     """
 
 

@@ -27,8 +27,8 @@ from tweezer.dynamics.brownian.propagator import Weights
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     """Advance all beads by one step: two swings, with kicks before, between and after them.
 
-    `beads.u` contains the slow velocity (force over drag) at `beads.x` on entry and on return. The
-    weights are those of a swing, which takes half a step.
+    `beads.u` contains the slow velocity (force over drag) at `beads.x` on entry and on return.
+    `weights` belongs to a swing, which takes half a step.
     """
     force, plan, weights, beads = borrowed((force, plan, weights, beads))
     now, step, x, u = beads.now[0], plan.step, beads.x, beads.u

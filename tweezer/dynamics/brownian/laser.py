@@ -1,13 +1,17 @@
-"""Noise of the laser: impulses at the ends of steps by its power and by the place of its focus.
+"""Noise of the laser: impulses at the ends of steps by its power and by the position of its focus.
 
 If the power is P (1 + e) and the focus is at d, the force on a bead near its equilibrium is
 
     F_light(x - d) (1 + e) = F_light(x) + e F_light(x) + K d + ...,
 
 with the trap stiffness K. The spectra of e and of the components of d are white up to a corner
-frequency. At the end of a step of length h the velocity gains h (e F_light + K d)/m, where e and d
-follow first-order recursions whose spectra are the given ones at low frequencies. A bead that
-oscillates at the frequency nu gains the energy E at the rate
+frequency f_c. At the end of a step of length h the velocity gains h (e F_light + K d)/m. Each of
+these numbers follows the recursion
+
+    e -> c e + (1 - c) sqrt(S_e/(2 h)) n,    c = e^(-2 pi f_c h),
+
+with a standard normal number n, so that its spectrum at low frequencies is the given one. A bead
+that oscillates at the frequency nu changes its energy E at the rate
 
     dE/dt = pi^2 nu^2 S_e(2 nu) E + 4 pi^4 m nu^4 S_x(nu)
 
@@ -33,9 +37,9 @@ if TYPE_CHECKING:
 
 #: Numbers that the laser has for each bead: e, and the three components of d in m
 NUMBERS = 4
-#: First entries of the data: the part of a number left after a step, and the standard deviations of
-#: e and of a component of d. The matrix K h/m follows, row by row
-LEFT, POWER, PLACE, PULL = range(4)
+#: First entries of the data: c, and the factors of n for e and for a component of d. The matrix
+#: K h/m follows, row by row
+LEFT, POWER, POSITION, PULL = range(4)
 SHAKES = types.void(PLAN, types.int64[::1], types.int64, BEADS)
 """signature of `shake`"""
 
@@ -46,7 +50,7 @@ def data_of(noise: LaserNoise, step: float, stiffness: Array, mass: float) -> Ar
     Parameters
     ----------
     noise : LaserNoise
-        Spectra of the power and of the place.
+        Spectra of the power and of the position.
     step : float
         Length of a step h, s.
     stiffness : ndarray, shape (3, 3)
@@ -55,10 +59,8 @@ def data_of(noise: LaserNoise, step: float, stiffness: Array, mass: float) -> Ar
         Mass m, kg.
     """
     left = 0.0 if noise.corner is None else math.exp(-2 * math.pi * noise.corner * step)
-    # the one-sided spectrum at frequency 0 is 2 h times the variance times (1 + left)/(1 - left)
-    variances = np.array([noise.power, noise.position]) / (2 * step) * (1 - left) / (1 + left)
-    pull = stiffness * (step / mass)
-    return np.concatenate([[left], np.sqrt(variances), pull.ravel()])
+    spread = (1 - left) * np.sqrt(np.array([noise.power, noise.position]) / (2 * step))
+    return np.concatenate([[left], spread, (stiffness * (step / mass)).ravel()])
 
 
 @cached_njit(error_model="numpy", nogil=True)
@@ -69,14 +71,12 @@ def shake(plan, trajectories, at, beads):  # type: ignore[no-untyped-def]
     number `at` of the step select the random numbers.
     """
     data, noise = plan.laser, beads.laser
-    left, n = data[LEFT], len(beads.pose.time)
-    own = math.sqrt(1.0 - left * left)
     drawn = np.empty((NUMBERS, trajectories.size))
     normals(plan.seed, trajectories, at, LASER, drawn)
-    for i in range(n):
+    for i in range(len(beads.pose.time)):
         for j in range(NUMBERS):
-            size = data[POWER] if j == 0 else data[PLACE]
-            noise[j, i] = left * noise[j, i] + own * size * drawn[j, i]
+            spread = data[POWER] if j == 0 else data[POSITION]
+            noise[j, i] = data[LEFT] * noise[j, i] + spread * drawn[j, i]
         for k in range(3):
             light = (beads.u[k, i] - plan.mobility[k] * plan.load[k]) / plan.tau[k]
             gain = plan.step * light * noise[0, i]

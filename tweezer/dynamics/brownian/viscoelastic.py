@@ -84,9 +84,10 @@ def axis(h: float, network: Network, kappa: float, diffusion: float, gone: float
 def _kept(E: Array, x_by: Array, seen: Array, gone: float) -> tuple[Array, Array, Array, Array]:
     """Return combinations z (m, n) of the n hidden coordinates that must be followed.
 
-    They are left eigenvectors of the step E (n, n) with |eigenvalue| > gone, and what is left of
-    `x_by` (n,) and `seen` (n,), by which the coordinates contribute to the displacement and to the
-    velocity. Their decay (m,) in a step and their own contributions (m,) follow.
+    They are the left eigenvectors of the step E (n, n) with |eigenvalue| > gone. By `x_by` (n,) and
+    `seen` (n,) the coordinates contribute to the displacement and to the velocity; the remainders
+    of both are added. The function also returns the decay (m,) of the combinations in a step and
+    their contributions (m,).
     """
     from scipy.linalg import eig
 
