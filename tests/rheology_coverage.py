@@ -1,11 +1,12 @@
 """Microrheology of simulated recordings: how often the intervals contain the true moduli.
 
 `python -m tests.rheology_coverage [MEDIUM [RECORDINGS [SEED]]]` simulates recordings of 6.6 s at
-20 kHz of a 1 um bead in a trap of 10 pN/um. MEDIUM is `one` (200 recordings in a solvent of 1 mPa s
-with an element of 4 mPa s and 5 ms) or `two` (60, with elements of 2 mPa s and 0.5 ms, and of
-10 mPa s and 20 ms); by default both are measured. For each frequency the program prints the share
-of 95 % confidence intervals that contain the true modulus and the relative rms error, and for the
-trap the share of intervals of the stiffness. It takes about a second for each recording.
+20 kHz of a 1 um bead in a trap of 10 pN/um. MEDIUM is `one` or `two`; the default is both. The
+solvent has 1 mPa s. `one` has an element of 4 mPa s and 5 ms, and 200 recordings. `two` has an
+element of 2 mPa s and 0.5 ms, another of 10 mPa s and 20 ms, and 60 recordings. For each frequency
+the program prints the share of 95 % confidence intervals that contain the true modulus and the
+relative rms error, and for the trap the share of intervals of the stiffness. It takes about a
+second for each recording.
 """
 
 from __future__ import annotations

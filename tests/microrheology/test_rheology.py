@@ -47,8 +47,8 @@ def found(motion):
 
 @pytest.mark.parametrize("exposure", [0.0, 0.7 * STEP])
 def test_sampled_spectrum_is_the_sum_over_all_aliases(exposure):
-    """Of the continuous spectrum 4 kT Re(gamma)/|k + s gamma|^2, whose tail is added in closed
-    form without an exposure, and is negligible with one.
+    """The continuous spectrum is 4 kT Re(gamma)/|k + s gamma|^2. Without an exposure its tail is
+    added in closed form; with one it is negligible.
     """
     noise = 1e-9
     drags, times = (PER_VISCOSITY * 2e-3, PER_VISCOSITY * 1e-2), (5e-4, 2e-2)

@@ -36,7 +36,7 @@ def viscosity(temperature):
 def least_dissipation(rise, cold=293.15):
     """Drag over 6 pi r mu(cold), and mean of (T - cold)/rise, by splines over ln x to x = e^9.
 
-    The dissipation is that of v = g(x) cos(theta) along x and its companion without sources.
+    The flow has v = g(x) cos(theta) along x, and a component across x by which it has no sources.
     """
     degree, end = 4, 9.0
     knots = np.concatenate([[0] * degree, np.linspace(0, end, 120), [end] * degree])
@@ -147,7 +147,7 @@ def test_absorbing_bead_is_warmer_by_its_absorbed_power():
 
 
 def test_hot_bead_moves_like_one_in_a_medium_of_its_drag_and_temperature():
-    """The same positions, up to rounding, as in a scene whose medium is given by numbers."""
+    """The positions equal those in a scene whose medium is given by numbers, up to rounding."""
     settings = {
         "forces": {"brownian": True},
         "simulation": {"duration": 2e-4, "samples": 5, "model": "overdamped"},
@@ -185,7 +185,9 @@ def test_stationary_variance_is_that_of_the_effective_temperature():
 
 
 def test_hot_bead_in_a_rarefied_gas_moves_between_both_temperatures():
-    """Millen et al. (2014): 367 K and 8 % more drag for 500 K in 300 K; kinetic theory: 366 K."""
+    """A bead of 500 K in a gas of 300 K moves as at 367 K by Millen et al. (2014), with 8 % more
+    drag. Kinetic theory gives 366 K.
+    """
     gas = {"name": "air", "pressure": "1 Pa", "temperature": 300.0}
     data = {"lens": {"numerical_aperture": 0.8}, "medium": gas}
     hot = scene({"bead": "4000 K/W"}, **data)

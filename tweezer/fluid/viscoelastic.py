@@ -1,6 +1,6 @@
 r"""Network of elements of a scene's viscoelastic medium, with the inertia of the fluid.
 
-The complex viscosity is that of the solvent, of Maxwell elements and of a power law,
+The complex viscosity is the sum of the solvent's, of Maxwell elements and of a power law,
 
     mu(s) = mu_m + sum_j eta_j/(1 + s tau_j) + A s^(a - 1),    G*(2 pi i f) = A (2 pi i f)^a.
 
@@ -16,8 +16,9 @@ By the correspondence principle the drag of a sphere in such a fluid is
 
     gamma(s) = 6 pi r [mu + r sqrt(rho s mu) + s r^2 rho/9].
 
-s mu(s) is a complete Bernstein function, and so is its root: a sum of c_i s/(s + p_i) with positive
-c_i, which non-negative least squares finds for poles in geometric progression.
+Both s mu(s) and its root are complete Bernstein functions. The root is therefore a sum of terms
+c_i s/(s + p_i) with positive c_i. Non-negative least squares finds them for poles p_i in geometric
+progression.
 """
 
 from __future__ import annotations

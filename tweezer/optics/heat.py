@@ -113,11 +113,12 @@ def _rise_of_medium(scene: Scene, power: float) -> float:
 def effective_distance(first: float, second: float | None = None) -> float:
     r"""Return the distance, m, from a single glass at which light heats the focus as much as here.
 
-    The sum over all images of a line of sources between two glasses at the distances h and H - h is
+    Two glasses at the distances h and H - h have the effect of one at the distance d. The sum over
+    all images of a line of sources gives
 
     .. math::
 
-        2 H \frac{\Gamma(1 - h/2H)\,\Gamma(1/2 + h/2H)}{\Gamma(h/2H)\,\Gamma(1/2 - h/2H)}.
+        d = 2 H \frac{\Gamma(1 - h/2H)\,\Gamma(1/2 + h/2H)}{\Gamma(h/2H)\,\Gamma(1/2 - h/2H)}.
 
     Parameters
     ----------

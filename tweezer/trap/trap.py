@@ -197,8 +197,8 @@ class Trap(Comparable, Result):
         """Pressure of the scene's gas at which its drag equals `least_drag`, Pa.
 
         It is 0 if the bead is stable at any pressure, and infinite if the drag at 2 bar is not
-        enough. The stiffness is that at the scene's pressure. None without a named gas, beside a
-        wall, or with a given mean free path.
+        enough. The stiffness belongs to the scene's pressure. The result is None without a named
+        gas, beside a wall, or with a given mean free path.
         """
         found = levitation.least_pressure(self)
         return found and found[0]
@@ -207,7 +207,7 @@ class Trap(Comparable, Result):
     def photon_recoil(self) -> levitation.Recoil | None:
         """Momentum diffusion by the recoil of photons at `equilibrium`, computed on first use.
 
-        None without an equilibrium, and for light whose scattering `tweezer.recoil` does not
+        It is None without an equilibrium, and for light whose scattering `tweezer.recoil` does not
         compute, such as ray optics.
         """
         return levitation.photon_recoil(self)
@@ -216,7 +216,7 @@ class Trap(Comparable, Result):
     def recoil_heating(self) -> Vector | None:
         """Heating S_ii/(2 m) by the recoil of photons along each axis at `equilibrium`, (3,) W.
 
-        S is the momentum diffusion (`tweezer.recoil`). None where `photon_recoil` is.
+        S is the momentum diffusion (`tweezer.recoil`). The result is None if `photon_recoil` is.
         """
         return levitation.recoil_heating(self)
 
@@ -224,7 +224,8 @@ class Trap(Comparable, Result):
     def recoil_pressures(self) -> Vector | None:
         """Pressures at which the gas heats each axis as much as photon recoil does, (3,) Pa.
 
-        The gas heats an axis by k_B T beta_v/m. None where `recoil_heating` or `least_pressure` is.
+        The gas heats an axis by k_B T beta_v/m. The result is None if `recoil_heating` or
+        `least_pressure` is.
         """
         return levitation.recoil_pressures(self)
 
@@ -232,10 +233,11 @@ class Trap(Comparable, Result):
     def temperatures(self) -> Vector | None:
         """Temperature m <v_i^2>/k_B of the harmonic motion along each axis, (3,) K.
 
-        Without circulation it is T + m H_i/(k_B beta_v), with the temperature T of the medium and
-        the `recoil_heating` H_i. Circulation increases it by the factor
-        1/(1 - (`least_drag`/beta_v)^2). Noise of the laser, the temperature of the bead's surface
-        and fluid inertia are left out. None where `recoil_heating` is, and beside a wall.
+        Without circulation it is T + m H_i/(k_B beta_v), with the `recoil_heating` H_i. T is the
+        temperature of the medium, or in a scene with heat that of the bead's thermal motion.
+        Circulation increases it by the factor 1/(1 - (`least_drag`/beta_v)^2). Noise of the laser
+        and fluid inertia are left out. The result is None if `recoil_heating` is, and beside a
+        wall.
         """
         return levitation.temperatures(self)
 
@@ -651,7 +653,7 @@ def sphere_trap(scene: Scene, forces: Sequence[Force | str] = ()) -> Trap:
     scene = problem.scene
     if scene.medium.relaxes:
         warn(
-            f"{scene.name}: corner frequencies and lifetimes are those in the solvent; "
+            f"{scene.name}: corner frequencies and lifetimes apply to the solvent alone; "
             "tweezer.response includes the relaxing medium"
         )
     light_force = _LightForce(problem)
