@@ -13,6 +13,7 @@ import pytest
 import tweezer
 from tests.reference.fields import LinearTrap, in_place
 from tweezer.dynamics import bound_once
+from tweezer.dynamics.shot_noise import recoil_at
 from tweezer.dynamics.walk import walk
 from tweezer.values.errors import SceneError
 
@@ -63,6 +64,21 @@ def test_recoil_heats_each_axis_at_its_rate():
     assert agrees((found / expected).ravel(), 1.0, 0.01)
     for k in range(3):
         assert agrees(found[:, k], expected[k], 0.02)
+
+
+def test_change_of_the_recoil_is_sampled_on_both_sides_of_the_equilibrium():
+    stiffness = np.array([1.0, 2.0, 0.5]) * STIFFNESS
+    found = recoil_at(SCENE, np.zeros(3), stiffness)
+    for side, sign in enumerate((1, -1)):
+        for k in range(3):
+            place = np.zeros(3)
+            place[k] = sign * math.sqrt(KT / stiffness[k])
+            np.testing.assert_allclose(
+                found.beside[side, k], tweezer.recoil(SCENE, place),
+                rtol=0, atol=1e-12 * found.diffusion.max(),
+            )  # fmt: skip
+    free = recoil_at(SCENE, np.zeros(3), np.full(3, math.inf))
+    assert "it changes by 0 % within" in free.words
 
 
 def test_stationary_energy_with_recoil():

@@ -55,11 +55,8 @@ _THINNEST = 1e40
 _STEP = 1e-4
 #: Error of `tweezer.recoil`, relative to the largest entry
 _OF_RECOIL = 1e-8
-#: Generators of rotations about x, y and z
-_ROTATIONS = np.array([
-    [[0, 0, 0], [0, 0, -1], [0, 1, 0]], [[0, 0, 1], [0, 0, 0], [-1, 0, 0]],
-    [[0, -1, 0], [1, 0, 0], [0, 0, 0]],
-])  # fmt: skip
+#: Generators of rotations about x, y and z: the matrices of e_x x v, e_y x v and e_z x v
+_ROTATIONS = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(0, 2, 1)
 
 
 class Recoil(NamedTuple):
