@@ -70,7 +70,7 @@ KEYS = {
     "scenes.md": ("Scene files", "bead medium heat lens beam"),
     "scenes-motion.md": (
         "Scene files: motion and computation",
-        "start wall mirror forces camera detector optics simulation",
+        "start wall mirror forces camera detector lock_in optics simulation",
     ),
 }  # fmt: skip
 

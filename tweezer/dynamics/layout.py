@@ -58,6 +58,12 @@ QUANTITIES = {
     "angular_velocity": Quantity(
         ("wx", "wy", "wz"), "body_axis", "rad/s", "angular velocity, body frame"
     ),
+    "in_phase": Quantity(
+        ("Ix", "Iy", "Iz"), "axis", "m", "amplitude in phase with the lock-in's reference"
+    ),
+    "quadrature": Quantity(
+        ("Qx", "Qy", "Qz"), "axis", "m", "amplitude a quarter of a period ahead of the reference"
+    ),
 }
 #: Number of Euler parameters
 EULER = len(QUANTITIES["orientation"].columns)
@@ -96,13 +102,15 @@ class Layout:
         return cls(blocks)
 
     @classmethod
-    def of_samples(cls, *, inertial: bool, rotates: bool) -> Self:
-        """Return the layout of samples of thermal motion, with or without inertia and rotation."""
+    def of_samples(cls, *, inertial: bool, rotates: bool, lock_in: bool = False) -> Self:
+        """Return the layout of samples of thermal motion, with the quantities that they contain."""
         there = {
             "position": True,
             "velocity": inertial,
             "orientation": rotates,
             "angular_velocity": inertial and rotates,
+            "in_phase": lock_in,
+            "quadrature": lock_in,
         }
         return cls({name: len(each.columns) for name, each in QUANTITIES.items() if there[name]})
 

@@ -62,6 +62,10 @@ class Motion:
     """(n, 4) Euler parameters of length 1, or None for a scene without rotation"""
     angular_velocity: Array | None
     """(n, 3) rad/s, body frame; None if `velocity` or `orientation` is None"""
+    in_phase: Array | None = None
+    """(n, 3) m, amplitude in phase with the reference of the lock-in; None without one"""
+    quadrature: Array | None = None
+    """(n, 3) m, amplitude a quarter of a period ahead of the reference; None without a lock-in"""
 
 
 @dataclass(repr=False)

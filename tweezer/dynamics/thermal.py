@@ -10,6 +10,7 @@ import numpy as np
 
 from tweezer.dynamics import thermal_body
 from tweezer.dynamics.beside_wall import Towards, rate_of_sticking, towards, without_walls
+from tweezer.dynamics.brownian import lock_in
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
 from tweezer.dynamics.camera import longest_step
 from tweezer.dynamics.choose import rates_of_force
@@ -217,6 +218,8 @@ def _limits_of_any_step(problem: Problem, linear: Linearised) -> Iterator[tuple[
             yield _PART / rate, f"{_PART:g} of the time of the trap, for the camera"
         if linear.modes is not None:
             yield longest_step(camera, linear.modes, _BIAS), "for inertia in the frames"
+    if (amplifier := problem.scene.lock_in) is not None:
+        yield lock_in.longest_step(amplifier), "for the lock-in"
     fastest = float(linear.diffusion[TRANSLATION].max())
     way = _PART_OF_LOSS * simulation.loss_distance
     # <x^2> is at most 2 D t, and with inertia at most kT/m t^2

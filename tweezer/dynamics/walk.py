@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tweezer.dynamics.beside_wall import held
 from tweezer.dynamics.body import BodyMotion
-from tweezer.dynamics.brownian import crossing, laser, march, memory, noise, propagator
+from tweezer.dynamics.brownian import crossing, laser, lock_in, march, memory, noise, propagator
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
 from tweezer.dynamics.brownian.crossing import Boundary, share
 from tweezer.dynamics.brownian.exposure import HELD
@@ -185,6 +185,7 @@ class Walk:
             v = apart[:, _DRAWN.at("velocity")]
         parts |= {"position": x, "velocity": v, "exposure": np.zeros((n, HELD))}
         parts |= {"laser": np.zeros((n, laser.NUMBERS)), "lost_time": np.full((n, 1), np.inf)}
+        parts |= {"in_phase": np.zeros((n, 3)), "quadrature": np.zeros((n, 3))}
         if "orientation" in self.layout:
             e = self.problem.orientation
             w = rotation_matrices(e[None])[0] @ start.angular_velocity
@@ -437,8 +438,8 @@ class Walk:
             turned = rotation_matrices(parts["orientation"])
             w = parts["angular_velocity"]
             parts["angular_velocity"] = np.einsum("nji,nj->ni", turned, w)
-        velocity, orientation = parts.get("velocity"), parts.get("orientation")
-        return Motion(parts["position"], velocity, orientation, parts.get("angular_velocity"))
+        names = "velocity", "orientation", "angular_velocity", "in_phase", "quadrature"
+        return Motion(parts["position"], *map(parts.get, names))
 
     @functools.cached_property
     def _compiled(self) -> tuple[Part, march.Steps]:
@@ -485,7 +486,10 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
         late = _LATE * step * float(np.linalg.eigvals(linear.rates).real.max())
     bias = linear.bias * step
     exposure = _exposure(problem, linear, step)
-    layout = Layout.of_samples(inertial=linear.inertial, rotates=problem.rotates).followed_by(
+    layout = Layout.of_samples(
+        inertial=linear.inertial, rotates=problem.rotates,
+        lock_in=problem.scene.lock_in is not None,
+    ).followed_by(
         exposure=HELD if exposure else 0, memory=3 * weights.memory.shape[2],
         laser=laser.NUMBERS if problem.scene.beam.noise else 0, lost_time=1,
     )  # fmt: skip
@@ -538,8 +542,14 @@ def _plan(
     return Plan(
         seed, step, per_sample, tau, linear.mobility, load, linear.diffusion, linear.centre,
         linear.kT, problem.drag.uniform or walls is not None, resisting,
-        _noise_of_laser(problem, linear, step),
+        _noise_of_laser(problem, linear, step), _lock_in(problem, step),
     )  # fmt: skip
+
+
+def _lock_in(problem: Problem, step: float) -> Array:
+    """Return the data of the lock-in, (0,) without one."""
+    amplifier = problem.scene.lock_in
+    return np.zeros(0) if amplifier is None else lock_in.data_of(amplifier, step)
 
 
 def _noise_of_laser(problem: Problem, linear: Linearised, step: float) -> Array:

@@ -168,8 +168,8 @@ def found_of(bound: Walk) -> Attributes:
     They must agree among all processes that work on an ensemble.
     """
     # without the addresses of this process
-    (*plan, drag, laser), (*edge, _, _) = bound.plan, bound.edge
-    numbers = (*plan, laser, drag.data.numbers, *edge, *bound.weights)
+    (*plan, drag, laser, lock_in), (*edge, _, _) = bound.plan, bound.edge
+    numbers = (*plan, laser, lock_in, drag.data.numbers, *edge, *bound.weights)
     coefficients = b"".join(np.asarray(each).tobytes() for each in numbers)
     return {
         "step": float(bound.step),

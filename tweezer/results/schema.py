@@ -306,6 +306,7 @@ _RUN = {
     "time": _TIME,
     "position": Variable(("time", "axis"), "m", needed=True),
     **_over_time("axis", velocity="m/s", optical_force="N", net_force="N"),
+    **_over_time("axis", in_phase="m", quadrature="m"),
     **_over_time("euler_parameter", orientation="1"),
     **_over_time("body_axis", angular_velocity="rad/s"),
     **_over_time(
@@ -319,6 +320,8 @@ _ENSEMBLE = {
     "lost_time": Variable(("trajectory",), "s", needed=True),
     "position": Variable(("trajectory", "time", "axis"), "m", needed=True),
     "velocity": Variable(("trajectory", "time", "axis"), "m/s"),
+    "in_phase": Variable(("trajectory", "time", "axis"), "m"),
+    "quadrature": Variable(("trajectory", "time", "axis"), "m"),
     "orientation": Variable(("trajectory", "time", "euler_parameter"), "1"),
     "angular_velocity": Variable(("trajectory", "time", "body_axis"), "rad/s"),
     "seen": Variable(("trajectory", "frame", "seen_axis"), "m"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import AliasChoices, Field
 
 from tweezer.scene.body import Body
 from tweezer.scene.choices import Evaluator
@@ -19,6 +19,7 @@ from tweezer.scene.sections import (
     Forces,
     Heat,
     Lens,
+    LockIn,
     Medium,
     Mirror,
     Optics,
@@ -68,6 +69,11 @@ class Description(Section):
     )
     detector: Detector | None = Field(
         None, description="a photodiode whose signals a run contains; none if not given"
+    )
+    lock_in: LockIn | None = Field(
+        None,
+        validation_alias=AliasChoices("lock_in", "lock-in"),
+        description="an amplifier that records the motion about a frequency; none if not given",
     )
     optics: Optics = Field(default_factory=Optics)
     simulation: Simulation

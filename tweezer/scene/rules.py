@@ -45,6 +45,7 @@ def check(scene: Description) -> None:
     _viscoelastic(scene)
     _some_frame(scene)
     _light_on_the_detector(scene)
+    _slow_amplitude(scene)
     check_heat(scene)
     if scene.start.frame == "lens" and scene.lens.focal_length is None:
         raise refusal("start.frame = 'lens': requires lens.focal_length")
@@ -224,6 +225,21 @@ def _some_frame(scene: Description) -> None:
         raise refusal(
             f"simulation.method = {method!r}: a camera requires displacements, which this method "
             "does not reproduce; allowed: auto, heun"
+        )
+
+
+def _slow_amplitude(scene: Description) -> None:
+    """Refuse a lock-in without thermal motion, or with too few samples for its bandwidth."""
+    if scene.lock_in is None:
+        return
+    if not scene.forces.brownian:
+        raise refusal("lock_in: requires forces.brownian = true")
+    duration, bandwidth = scene.simulation.duration, scene.lock_in.bandwidth
+    fewest = math.ceil(2 * bandwidth * duration) + 1
+    if scene.simulation.samples < fewest:
+        raise refusal(
+            f"lock_in.bandwidth = {bandwidth:g}: requires two samples per 1/bandwidth; set "
+            f"simulation.samples to {fewest}"
         )
 
 

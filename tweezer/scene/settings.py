@@ -25,6 +25,7 @@ def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
     sections: dict[str, Any] = {}
     for key, text in settings.items():
         section, dot, name = key.partition(".")
+        section = section.replace("-", "_")
         if not dot:
             alike = [each for each in settable() if each.rpartition(".")[2] == key]
             fewest = min((each.count(".") for each in alike), default=0)

@@ -56,6 +56,8 @@ class Plan(NamedTuple):
     """
     laser: Array = np.zeros(0)
     """(12,) noise of the laser, see `tweezer.dynamics.brownian.laser`; (0,) without it"""
+    lock_in: Array = np.zeros(0)
+    """(2,) data of the lock-in, see `tweezer.dynamics.brownian.lock_in`; (0,) without one"""
 
 
 class Beads(NamedTuple):
@@ -102,6 +104,9 @@ class Beads(NamedTuple):
     """(4, w) noise of the laser: relative change of the power, and position of the focus, m;
     (0, w) without it
     """
+    lock_in: Array
+    """(6, w) in-phase parts and quadratures of the axes behind the lock-in, m; (0, w) without one
+    """
 
 
 def beads(
@@ -114,6 +119,7 @@ def beads(
     draws: int = 0,
     body: bool = False,
     laser: int = 0,
+    lock_in: int = 0,
 ) -> Beads:
     """Return arrays of zeros for a batch of beads.
 
@@ -137,6 +143,8 @@ def beads(
         Whether the force is read at other orientations than those at the beginning of a step.
     laser : int
         Number of random numbers that the laser has for each bead.
+    lock_in : int
+        Number of amplitudes of a bead behind the lock-in.
     """
     gradients = n if gradient else 0
     places = 0 if uniform else n
@@ -154,6 +162,7 @@ def beads(
             np.zeros((gradients, 3, 3)), np.zeros(n),
         ),
         Mobility(np.zeros((places, 5)), np.zeros((places, 5, 3))), np.zeros((laser, width)),
+        np.zeros((lock_in, width)),
     )  # fmt: skip
 
 

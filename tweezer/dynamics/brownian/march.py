@@ -15,7 +15,7 @@ from numba import typeof, types
 from numpy.typing import NDArray
 
 from tweezer.compiled import address, cached_njit, call, named_njit
-from tweezer.dynamics.brownian import batch, crossing, laser, memory, rotation
+from tweezer.dynamics.brownian import batch, crossing, laser, lock_in, memory, rotation
 from tweezer.dynamics.brownian.batch import (
     BEADS,
     PART,
@@ -71,6 +71,10 @@ class Steps(NamedTuple):
     """
     shake: int
     """address of the function that adds the noise of the laser after a step; 0 without it"""
+    mix: int
+    """address of the function of the lock-in after a step; 0 without one"""
+    in_phase: int
+    """first column of the in-phase parts, before those of the quadratures; -1 without a lock-in"""
 
 
 def steps(scheme: Scheme, layout: Layout) -> Steps:
@@ -88,10 +92,12 @@ def steps(scheme: Scheme, layout: Layout) -> Steps:
     if spheres:
         turn = address(rotation.turn_and_diffuse if diffuses else rotation.turn_by_steps, TURNS)
     shake = address(laser.shake, laser.SHAKES) if "laser" in layout else 0
+    mix = address(lock_in.mix, lock_in.MIXES) if "in_phase" in layout else 0
     return Steps(
         address(scheme.step, STEP), draws, layout.blocks.get("memory", 0) // 3,
         layout.first("velocity"), layout.first("orientation"), layout.first("angular_velocity"),
-        int(scheme.gradient), int(scheme.samples_ahead), int(scheme.force_first), turn, shake,
+        int(scheme.gradient), int(scheme.samples_ahead), int(scheme.force_first), turn, shake, mix,
+        layout.first("in_phase"),
     )  # fmt: skip
 
 
@@ -145,7 +151,7 @@ def advance(
         n = len(here)
         beads = batch.beads(
             n, dims, inertial, gradient, uniform, steps.memory, steps.draws, body,
-            layout.blocks.get("laser", 0),
+            layout.blocks.get("laser", 0), 6 if "in_phase" in layout else 0,
         )  # fmt: skip
         who = np.zeros(beads.x.shape[1], np.int64)
         who[:n] = trajectories[part]
@@ -177,6 +183,8 @@ def _held(layout: Layout, beads: Beads, n: int) -> list[tuple[slice, Array]]:
         "angular_velocity": beads.v[ROTATION, :n],
         "memory": beads.v[len(beads.x) :, :n],
         "laser": beads.laser[:, :n],
+        "in_phase": beads.lock_in[:3, :n],
+        "quadrature": beads.lock_in[3:, :n],
     }
     return [(layout.at(name), room) for name, room in rooms.items() if name in layout]
 
@@ -214,6 +222,8 @@ def loop() -> Any:
                     call(steps.turn, (plan, who, at, beads))
                 if steps.shake != 0:
                     call(steps.shake, (plan, who, at, beads))
+                if steps.mix != 0:
+                    call(steps.mix, (plan, at, beads))
                 if watched or not crossing.all_far(edge, x, n):
                     if edge.find == 0:
                         return NEAR
@@ -263,6 +273,9 @@ def _save(steps, beads, place, turned, i, out):  # type: ignore[no-untyped-def]
     if steps.angular_velocity >= 0:
         for k in range(3):
             out[steps.angular_velocity + k] = beads.v[3 + k, i]
+    if steps.in_phase >= 0:
+        for k in range(6):
+            out[steps.in_phase + k] = beads.lock_in[k, i]
 
 
 @named_njit(inner=True, error_model="numpy")

@@ -1,6 +1,6 @@
 from .alternatives import ALTERNATIVES, BELONGING, FILLED, NAMED, WITHIN_LAYERS, Filled
 from .bead import Bead
-from .detector import Detector
+from .detector import Detector, LockIn
 from .heat import Heat
 from .interference import Mirror
 from .light import Beam, Cover, Lens, Optics
@@ -26,6 +26,7 @@ __all__ = [
     "Heat",
     "Layer",
     "Lens",
+    "LockIn",
     "Medium",
     "Mirror",
     "Optics",

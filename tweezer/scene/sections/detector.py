@@ -1,4 +1,4 @@
-"""The section of a scene for a photodiode behind the bead."""
+"""The sections of a scene for a photodiode behind the bead, and for an amplifier behind it."""
 
 from __future__ import annotations
 
@@ -36,3 +36,12 @@ class Detector(Section):
         "shot noise is then the mean over the sampling interval",
     )
     noise: StrictBool = Field(True, description="whether the signal of a run has shot noise")
+
+
+class LockIn(Section):
+    """A lock-in amplifier: the slow amplitude of a bead about a frequency, in thermal motion."""
+
+    frequency: Frequency = Field(description="frequency of the reference")
+    bandwidth: Frequency = Field(
+        description="corner frequency of the low-pass of first order behind the mixer"
+    )
