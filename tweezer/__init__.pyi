@@ -5,6 +5,7 @@ from .ensembles import escape_times
 from .ensembles.ensemble import ensemble
 from .fluid import wall_mobilities
 from .fluid.medium import MediumProperties, medium
+from .fluid.pair import pair_mobilities
 from .fluid.resistance.of_scene import resistance
 from .fluid.resistance.resistance import Resistance
 from .microrheology.analysis import rheology
@@ -113,6 +114,7 @@ __all__ = [
     "optical_jacobian",
     "optical_torque",
     "optimise",
+    "pair_mobilities",
     "potential",
     "recoil",
     "resistance",
