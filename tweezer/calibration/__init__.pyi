@@ -3,6 +3,7 @@ from .driving import Answer
 from .findings import Finding
 from .free import Diffusion, FreeAxis, FreeTrack, Inferred
 from .histogram import Potential, potential
+from .levitated import LevitatedBead, Resonance
 from .results import AxisCalibration, Calibration, Estimate, SpectrumFit
 from .spectra import (
     TrappedBead,
@@ -30,7 +31,9 @@ __all__ = [
     "FreeTrack",
     "Height",
     "Inferred",
+    "LevitatedBead",
     "Potential",
+    "Resonance",
     "SpectrumFit",
     "Surface",
     "Together",

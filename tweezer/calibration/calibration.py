@@ -20,7 +20,7 @@ from tweezer.calibration.fits import Record
 from tweezer.calibration.free import Diffusion, Given, not_trapped
 from tweezer.calibration.inertia import Inertia
 from tweezer.calibration.results import AxisCalibration, Calibration
-from tweezer.calibration.setup import Known, Setup
+from tweezer.calibration.setup import Known, Setup, describes_gas
 from tweezer.calibration.wall import Height
 from tweezer.reading.recording import Recording, load_recording
 from tweezer.scene import SceneLike, checked_scene
@@ -40,7 +40,7 @@ def calibrate(
     mass: QuantityLike | None = None,
     displaced_mass: QuantityLike | None = None,
     wall: QuantityLike | tuple[QuantityLike, QuantityLike] | None = None,
-    radius: QuantityLike | None = None,
+    radius: QuantityLike | tuple[QuantityLike, QuantityLike] | None = None,
     viscosity: QuantityLike | None = None,
     exposure: QuantityLike | None = None,
     diode: QuantityLike | tuple[QuantityLike, QuantityLike] | None = None,
@@ -49,6 +49,8 @@ def calibrate(
     leave_out: Sequence[str | tuple[float, float]] = (),
     drift: QuantityLike | None = None,
     fit_range: str | tuple[float, float] | None = None,
+    pressure: QuantityLike | tuple[QuantityLike, QuantityLike] | None = None,
+    density: QuantityLike | tuple[QuantityLike, QuantityLike] | None = None,
 ) -> Calibration:
     """Return the trap stiffness along each axis of a recording, by several methods.
 
@@ -72,6 +74,14 @@ def calibrate(
     contains its diffusion coefficient and the quantity that follows from it: the viscosity, the
     radius or Boltzmann's constant, whichever is not given.
 
+    If `scene` describes a bead in a named gas (`medium.name`), without a detector, the bead is an
+    oscillator. The spectrum of each axis determines its resonance frequency Omega, damping rate
+    Gamma and variance, by the exact spectrum of the samples and maximum likelihood. With the drag
+    beta of the gas (`tweezer.medium`), the mass is m = beta/Gamma and the stiffness m Omega^2.
+    Equipartition, <x^2> = k_B T/(m Omega^2), gives the displacement sensitivity. For a recording in
+    metres, it tests the mass. `Calibration.levitated` contains mass, density and radius of the
+    bead, and `AxisCalibration.resonance` the line of each axis.
+
     `tweezer bench calibrate` measures how often the confidence intervals contain the true value.
 
     Parameters
@@ -83,6 +93,7 @@ def calibrate(
         `signal`, or a table in volts, where z is all of the light. Signals are converted to
         positions by wave optics, beyond the range in which they are linear
         (`tweezer.calibration.by_detector`). The scene also gives temperature, radius and viscosity.
+        A scene with a named gas, without a detector, describes the gas about an oscillating bead.
     temperature : float or str, optional
         Temperature of the medium, K. This and the following values default to the scene for a run
         of tweezer.
@@ -101,7 +112,7 @@ def calibrate(
         it too. With fluid inertia the drag includes the flow that the wall reflects
         (`tweezer.fluid.reflection`), above 1.5 radii for x and y, and above 2 radii for z.
     radius : float or str, optional
-        Radius of the bead, m.
+        Radius of the bead, m. In a gas it may have a standard uncertainty, "75 nm +- 3 %".
     viscosity : float or str, optional
         Viscosity of the medium, Pa s. With `radius` it sets the drag.
     exposure : float or str, optional
@@ -128,6 +139,12 @@ def calibrate(
     fit_range : str or pair, optional
         Frequency range of the spectral fits, "10 Hz..10 kHz" or two numbers, Hz. The other methods
         use all frequencies.
+    pressure : float, str or pair, optional
+        Pressure of the gas, Pa, optionally with its standard uncertainty, "10 mbar +- 5 %".
+        Default: that of the scene.
+    density : float, str or pair, optional
+        Density of a bead in gas, kg/m^3, optionally with its standard uncertainty. The recording
+        then determines its radius, instead of its density from the radius.
 
     Returns
     -------
@@ -138,7 +155,8 @@ def calibrate(
     ------
     ResultError
         Without a temperature, for an exposure longer than the sampling interval, for a source that
-        `load_recording` refuses, for a bead in the wall, and for a run without thermal motion.
+        `load_recording` refuses, for a bead in the wall, and for a run without thermal motion. In a
+        gas, for an overdamped bead, and for a recording shorter than 30 damping times 1/Gamma.
 
     Examples
     --------
@@ -148,7 +166,9 @@ def calibrate(
     >>> 7e-5 < found.axes["x"]["power spectrum"].stiffness < 14e-5  # N/m
     True
     """
-    signals = scene is not None
+    described = None if scene is None else checked_scene(scene)
+    gas = described if described is not None and describes_gas(described) else None
+    signals = described is not None and gas is None
     recording = (
         source if isinstance(source, Recording) else load_recording(source, drive, signals=signals)
     )
@@ -160,12 +180,12 @@ def calibrate(
     setup = Setup(
         temperature=temperature, drag=drag, mass=mass, displaced_mass=displaced_mass, wall=wall,
         radius=radius, viscosity=viscosity, exposure=exposure, diode=diode, noise=noise,
-        leave_out=leave_out, drift=drift, fit_range=fit_range,
+        leave_out=leave_out, drift=drift, fit_range=fit_range, pressure=pressure,
+        density=density, gas=gas,
     )  # fmt: skip
-    if scene is not None:  # wave optics takes long to import
+    if described is not None and gas is None:  # wave optics takes long to import
         from tweezer.calibration.by_detector import completed, from_signals
 
-        described = checked_scene(scene)
         recording = from_signals(recording, described)
         if recording.scene is None:
             setup = completed(setup, described)
@@ -179,6 +199,16 @@ def calibrated(recording: Recording, setup: Setup) -> Calibration:
             f"{recording.name}: in watts: requires --scene, the scene with the detector"
         )
     Inertia.refuse_relaxing(recording.scene)
+    if setup.gas is not None:
+        from tweezer.calibration.in_gas import in_gas  # loads Numba
+
+        return in_gas(recording, setup)
+    for key in ("pressure", "density"):
+        if getattr(setup, key) is not None:
+            raise ResultError(
+                f"{recording.name}: {key}: requires the scene of a bead in a named gas, without a "
+                "detector"
+            )
     known = setup.of(recording)
     records = _records(recording, known)
     axes: dict[str, AxisCalibration] = {}

@@ -75,8 +75,9 @@ class Finding:
     name: str
     """short name. About the digits: "lost", "repeated", "interpolated", "copied", "rounded",
     "turns", "order"; about the record: "stuck", "clipped", "start", "outlier", "free", "drift",
-    "halves", "line", "noise", "blur", "exposure", "spectrum", "drag"; about a number: "one-call",
-    "few", "apart", "undetermined\""""
+    "halves", "line", "noise", "blur", "exposure", "spectrum", "drag"; about a bead in gas:
+    "broadened", "axes", "width", "metres"; about a number: "one-call", "few", "apart",
+    "undetermined\""""
     text: str
     """explanation for the user"""
 
@@ -135,7 +136,7 @@ def examine(
     # a drift occurs mostly at the lowest frequencies
     slowest = _SLOWEST / (2 * len(positions) * step) if drifts else 0.0
     found = [
-        _stray(positions, step),
+        stray(positions, step),
         few,
         *unsteady,
         None if exposure_known else _unknown_exposure(fits.fit, step),
@@ -165,7 +166,7 @@ def relative_variance_of_variance(bead: TrappedBead, whole: Periodogram) -> floa
     return float((power**2 / whole.counts).sum() / power.sum() ** 2)
 
 
-def _stray(positions: Array, step: float) -> Finding | None:
+def stray(positions: Array, step: float) -> Finding | None:
     """Return a finding for samples far from the median, or at the limit of the detector's range.
 
     `positions` (n,) are sampled every `step`, s. The median is not affected by outliers.

@@ -13,6 +13,7 @@ from tweezer.calibration.by_axis import ByAxis
 from tweezer.calibration.findings import Finding, in_words
 from tweezer.calibration.free import Diffusion
 from tweezer.calibration.left_out import NOTHING, LeftOut
+from tweezer.calibration.levitated import DAMPING, RESONANCE, LevitatedBead, Resonance
 from tweezer.calibration.quantities import (
     CORNER,
     DETECTOR,
@@ -103,7 +104,9 @@ class SpectrumFit:
 class AxisCalibration(Result):
     """Calibration of a trap along one axis."""
 
-    QUANTITIES: ClassVar = (*QUANTITIES, DRAG, SENSITIVITY, FORCE_SENSITIVITY)
+    QUANTITIES: ClassVar = (
+        *QUANTITIES, DRAG, SENSITIVITY, FORCE_SENSITIVITY, RESONANCE, DAMPING
+    )  # fmt: skip
 
     axis: str
     """"x", "y" or "z\""""
@@ -136,6 +139,8 @@ class AxisCalibration(Result):
     """findings that do not affect a number, such as parameters that are not determined"""
     drag: float | None = None
     """known drag along this axis at the bead's position, kg/s; None if unknown"""
+    resonance: Resonance | None = None
+    """line of a bead in gas; None in other media"""
 
     @property
     def diffusion_uncertainty(self) -> float:
@@ -161,6 +166,8 @@ class AxisCalibration(Result):
             yield SENSITIVITY(self.sensitivity, self.sensitivity_uncertainty)
         if self.force_sensitivity is not None:
             yield FORCE_SENSITIVITY(self.force_sensitivity, self.force_sensitivity_uncertainty)
+        if self.resonance is not None:
+            yield from self.resonance.quantities()
 
     @property
     def listed(self) -> list[Finding]:
@@ -202,6 +209,8 @@ class AxisCalibration(Result):
         parts = [f"corner frequency {_determined(numbers['corner_frequency'])}"]
         if fit.drag_uncertainty is not None:
             parts.append(f"diffusion {_determined(numbers['diffusion'])}")
+        if self.resonance is not None:
+            parts = [self.resonance.words]
         yield "; ".join((*parts, f"p = {fit.p_value:.2g}", *against))
         every = {**DETECTOR, "noise": signal("noise", "noise", unit)}
         detected = [
@@ -291,6 +300,8 @@ class Calibration(Result):
     """radius of the bead, m; None if unknown"""
     viscosity: float | None = None
     """viscosity of the medium, Pa s; None if unknown"""
+    levitated: LevitatedBead | None = None
+    """bead in the gas of a scene, with mass and density; None in other media"""
 
     @property
     def trapped(self) -> list[AxisCalibration]:
@@ -344,6 +355,8 @@ class Calibration(Result):
         if self.free is not None:
             found = self.free.coefficient(self.unit).words
             rows.append(Row("diffusion, as of a free bead", found, in_words(self.free.findings)))
+        if self.levitated is not None:
+            rows += [self.levitated.numbers[each].row() for each in ("mass", "density", "radius")]
         rows += [
             Row("temperature", f"{self.temperature:.5g} K"),
             Row("drag", "fitted" if self.drag is None else printed(self.drag, "nN s/m")),
@@ -366,6 +379,8 @@ class Calibration(Result):
                 yield from axis.lines(self.unit, notes)
             if self.wall is not None and axis.drag is not None:
                 yield _beside(self.wall, axis.axis, axis.drag)
+        if self.levitated is not None:
+            yield self.levitated.line
 
 
 def _beside(wall: Height, axis: str, known: float) -> str:

@@ -12,8 +12,10 @@ from tweezer.calibration.left_out import LeftOut
 from tweezer.calibration.spectra import TrappedBead
 from tweezer.calibration.wall import ACROSS, Height
 from tweezer.reading.recording import Recording
+from tweezer.scene import Scene
 from tweezer.scene.arguments import in_si
 from tweezer.scene.bead import bead_properties
+from tweezer.scene.media import GASES
 from tweezer.scene.sphere import drag_of_translation
 from tweezer.values.errors import ResultError
 from tweezer.values.rounding import most
@@ -103,7 +105,7 @@ class Setup:
     mass: QuantityLike | None = None
     displaced_mass: QuantityLike | None = None
     wall: QuantityLike | tuple[QuantityLike, QuantityLike] | None = None
-    radius: QuantityLike | None = None
+    radius: QuantityLike | tuple[QuantityLike, QuantityLike] | None = None
     viscosity: QuantityLike | None = None
     exposure: QuantityLike | None = None
     diode: QuantityLike | tuple[QuantityLike, QuantityLike] | None = None
@@ -111,6 +113,10 @@ class Setup:
     leave_out: Sequence[str | tuple[float, float]] = ()
     drift: QuantityLike | None = None
     fit_range: str | tuple[float, float] | None = None
+    pressure: QuantityLike | tuple[QuantityLike, QuantityLike] | None = None
+    density: QuantityLike | tuple[QuantityLike, QuantityLike] | None = None
+    gas: Scene | None = None
+    """scene of the gas about an oscillating bead; None for other media"""
 
     def of(self, recording: Recording) -> Known:
         """Return the known properties for a recording, from this setup and the scene of a run.
@@ -183,6 +189,17 @@ class Setup:
         if "diode_frequency" in fitted:
             fitted += ("diode_fraction",)
         return Detector(exposed, pair, level, noises, fitted)
+
+
+def describes_gas(scene: Scene) -> bool:
+    """Return whether a scene describes the gas about a bead, without a detector of its signals.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    """
+    return scene.medium.name in GASES and scene.detector is None
 
 
 def given_in_si(recording: str, name: str, value: QuantityLike | None, unit: str) -> float | None:

@@ -153,10 +153,28 @@ class Periodogram:
 
         `without` contains the bands, Hz, whose ordinates are excluded.
         """
-        frequencies, density = power_spectrum(positions, step)
-        n = frequencies.size
+        n = (len(positions) - 1) // 2
         edges = np.unique(np.geomspace(1, n + 1, min(_BLOCKS, n)).astype(int)) - 1
         starts = np.arange(n) if n <= _BLOCKS else edges[:-1]
+        spectrum = power_spectrum(positions, step)
+        return cls.in_blocks(spectrum, starts, step, len(positions), without)
+
+    @classmethod
+    def in_blocks(
+        cls,
+        spectrum: tuple[Array, Array],
+        starts: NDArray[np.int64],
+        step: float,
+        samples: int,
+        without: Sequence[tuple[float, float]] = (),
+    ) -> Periodogram:
+        """Return the periodogram of a record in blocks that begin at the ordinates `starts`.
+
+        `spectrum` contains frequencies, Hz, and densities of a record with this number of
+        `samples`, taken every `step`, s. `without` is as in `of`.
+        """
+        frequencies, density = spectrum
+        n = frequencies.size
         used = (~within(frequencies, without)).astype(np.float64)
         counts = np.add.reduceat(used, starts)
         kept = counts > 0
@@ -166,7 +184,7 @@ class Periodogram:
         )
         ends = frequencies[np.stack([starts, [*(starts[1:] - 1), n - 1]], axis=1)][kept]
         return cls(
-            f, mean, counts[kept], step, len(positions), float(mean[-1]), ends, density,
+            f, mean, counts[kept], step, samples, float(mean[-1]), ends, density,
             tuple(without),
         )  # fmt: skip
 

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from tweezer.calibration import Diffusion, Trajectory
     from tweezer.calibration.setup import Setup
     from tweezer.reading import Recording
+    from tweezer.scene import Scene
 
 #: Smallest number of frames in each track for which trapped beads must be calibrated one by one
 _LONG = 100
@@ -62,7 +63,7 @@ OfDetector = Annotated[
     str | None,
     typer.Option(
         help="Scene with the detector that recorded the signals x, y and z, to convert them to "
-        "positions by wave optics.",
+        "positions by wave optics; or of a bead in a named gas, to determine its mass.",
         metavar="SCENE",
         autocompletion=complete_scene,
     ),
@@ -73,7 +74,10 @@ Temperature = Annotated[
 ]
 Radius = Annotated[
     str | None,
-    typer.Option(help='Radius of the bead, e.g. "500 nm". Without it the drag is fitted.'),
+    typer.Option(
+        help='Radius of the bead, e.g. "500 nm". Without it the drag is fitted. In a gas '
+        'optionally with its uncertainty, "75 nm +- 3 %".'
+    ),
 ]
 Viscosity = Annotated[
     str | None,
@@ -85,7 +89,15 @@ Viscosity = Annotated[
 Density = Annotated[
     str | None,
     typer.Option(
-        help='Density of the bead, e.g. "2000 kg/m^3", to include its inertia. Requires --radius.'
+        help='Density of the bead, e.g. "2000 kg/m^3", to include its inertia. Requires --radius. '
+        "In a gas it determines the radius instead."
+    ),
+]
+Pressure = Annotated[
+    str | None,
+    typer.Option(
+        help='Pressure of the gas of --scene, e.g. "10 mbar" or "10 mbar +- 5 %". Default: that of '
+        "the scene.",
     ),
 ]
 FluidDensity = Annotated[
@@ -173,7 +185,8 @@ def calibrate(
     scene: OfDetector = None,
     set: Changes = None,
     temperature: Temperature = None, radius: Radius = None, viscosity: Viscosity = None,
-    density: Density = None, fluid_density: FluidDensity = None, wall: Wall = None,
+    density: Density = None, fluid_density: FluidDensity = None, pressure: Pressure = None,
+    wall: Wall = None,
     focus: Focus = None, focal_shift: FocalShift = None, columns: Columns = None,
     rate: Rate = None, scale: Scale = None, bead: Bead = None, drive: Stage = None,
     blur: Exposure = None, diode: Diode = None, noise: Noise = None, leave_out: LeaveOut = None,
@@ -193,6 +206,8 @@ def calibrate(
     from tweezer.calibration.setup import Setup
     from tweezer.values import units
 
+    described, gas = _described(scene, set)
+    of_gas = _of_gas(gas, radius, density, pressure, fluid_density)
     given = {
         name: quantity_in(f"--{name}", text, kind)
         for name, text, kind in (
@@ -200,7 +215,7 @@ def calibrate(
             ("viscosity", viscosity, units.Viscosity), ("density", density, units.Density),
             ("fluid-density", fluid_density, units.Density),
         )
-        if text is not None
+        if text is not None and name not in of_gas
     }  # fmt: skip
     skipped = quantity_in("--skip", skip, units.Time)
     exposed = blur if blur in (None, "fit") else quantity_in("--blur", blur, units.Time)
@@ -217,20 +232,20 @@ def calibrate(
     if focuses.positions and "fluid-density" in given:
         raise ResultError("--focus: cannot be combined with --fluid-density; omit one of them")
     setup = Setup(
-        temperature=given.get("temperature"), wall=units.bare(wall), radius=given.get("radius"),
+        temperature=given.get("temperature"), wall=units.bare(wall),
         viscosity=given.get("viscosity"), exposure=exposed, diode=diode, noise=units.bare(noise),
-        leave_out=leave_out or (), drift=drift, fit_range=fit_range, **_masses(given),
+        leave_out=leave_out or (), drift=drift, fit_range=fit_range, gas=gas,
+        **({"radius": given.get("radius")} | of_gas), **_masses(given),
     )  # fmt: skip
     loaded, tracks, few = _loaded(
         recordings, drive, skipped,
         {"columns": columns, "rate": rate, "scale": scale, "bead": bead}
-        | ({"signals": True} if scene else {}),
+        | ({"signals": True} if described and not gas else {}),
         (scene, wall, focus, density, drive, diode, leave_out, drift, fit_range, plot, report),
     )  # fmt: skip
-    if scene is not None:
+    if described is not None and gas is None:
         from tweezer.calibration.by_detector import completed, from_signals
 
-        described = scene_with(scene, settings_of(set or []))
         loaded = [from_signals(each, described) for each in loaded]
         if all(each.scene is None for each in loaded):
             setup = completed(setup, described)
@@ -244,7 +259,7 @@ def calibrate(
         raise ResultError(
             "--wall: cannot be combined with --focus, which determines the wall; omit one of them"
         )
-    for each in loaded:
+    for each in loaded if gas is None else ():
         _check_known(each, given, asked)
     _calibrate_traps(loaded, setup, focuses, out, plot, report)
 
@@ -256,6 +271,31 @@ class _Focuses(NamedTuple):
     """focus position of each recording, m; empty without --focus"""
     shift: float | None
     """displacement of the bead for a unit displacement of the focus; None if it is to be fitted"""
+
+
+def _described(scene: str | None, changes: list[str] | None) -> tuple[Scene | None, Scene | None]:
+    """Return the scene of --scene with its changes, and again if it describes a gas."""
+    if scene is None:
+        return None, None
+    from tweezer.calibration.setup import describes_gas
+
+    described = scene_with(scene, settings_of(changes or []))
+    return described, described if describes_gas(described) else None
+
+
+def _of_gas(
+    gas: Scene | None, radius: str | None, density: str | None, pressure: str | None,
+    fluid_density: str | None,
+) -> dict[str, str]:  # fmt: skip
+    """Return the options on a bead in a gas that are given, by the argument of `Setup`."""
+    if gas is None:
+        if pressure is not None:
+            raise ResultError("--pressure: requires --scene with a bead in a named gas")
+        return {}
+    if fluid_density is not None:
+        raise ResultError("--fluid-density: does not apply to a gas, whose scene has its density")
+    given = {"radius": radius, "density": density, "pressure": pressure}
+    return {name: text for name, text in given.items() if text is not None}
 
 
 def _masses(given: dict[str, float]) -> dict[str, float]:
@@ -383,7 +423,9 @@ def _diffusion(tracks: list[Trajectory], setup: Setup) -> Diffusion:
 
     exposure, noise = (None if each == "fit" else each for each in (setup.exposure, setup.noise))
     return diffusion(
-        tracks, temperature=setup.temperature, radius=setup.radius, viscosity=setup.viscosity,
+        tracks, temperature=setup.temperature,
+        radius=setup.radius,  # type: ignore[arg-type]  # without an uncertainty for a free bead
+        viscosity=setup.viscosity,
         exposure=exposure, noise=noise,
     )  # fmt: skip
 

@@ -217,7 +217,7 @@ def _draw_potential(axes: Axes, recording: Recording, calibration: Calibration) 
         mark = style.AXES[found.axis]
         label = "too few independent samples"
         if well.stiffness is not None and well.uncertainty is not None and well.minimum is not None:
-            estimate = found["potential"]
+            estimate = found.by("potential") or found.estimates[0]
             label = _stiffness(estimate.stiffness, estimate.uncertainty) + _mark(estimate.findings)
             reach = math.sqrt(2 * 4.5 * kT / well.stiffness) * np.linspace(-1, 1, 101)
             axes.plot(
