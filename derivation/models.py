@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from . import bodies, heat, media, ray, spline, water, waves
+from . import bodies, chains, heat, media, ray, spline, water, waves
 from . import body_motion as bm
 from . import drag as dg
 from . import euler_parameters as ep
@@ -1272,6 +1272,67 @@ def _heat() -> Module:
     )
 
 
+def _chains() -> Module:
+    def function(
+        name: str,
+        summary: str,
+        arguments: tuple[Quantity, ...],
+        outputs: sp.MatrixBase,
+        names: tuple[str, str] = ("extension", "slope"),
+    ) -> Function:
+        return Function(name, summary, _scalars(arguments), outputs, output_names=names)
+
+    return Module(
+        "chains",
+        "Force and extension of a polymer between two points.",
+        "Extension is over the contour length, force is F Lp/kT. They also accept arrays.",
+        (),
+        (),
+        (
+            function(
+                "marko_siggia",
+                "Force on a worm-like chain by Marko and Siggia, and its derivative over l.",
+                (sy.SCALED_EXTENSION,),
+                chains.MARKO_SIGGIA,
+                ("force", "slope"),
+            ),
+            function(
+                "bouchiat",
+                "Force on a worm-like chain by Bouchiat, and its derivative over l.",
+                (sy.SCALED_EXTENSION,),
+                chains.BOUCHIAT,
+                ("force", "slope"),
+            ),
+            function(
+                "odijk",
+                "Extension of a stiff chain that stretches, and its derivative over y.",
+                (sy.ROOT_FORCE, sy.COMPLIANCE),
+                chains.ODIJK,
+            ),
+            function(
+                "twistable",
+                "Extension of a stiff chain that stretches and twists, and its derivative over y.",
+                (sy.ROOT_FORCE, sy.COMPLIANCE, *sy.TWIST_COUPLING),
+                chains.TWISTABLE,
+            ),
+            function(
+                "langevin",
+                "Extension of freely jointed segments, and its derivative over u.",
+                (sy.LANGEVIN_ARGUMENT, sy.LANGEVIN_DECAY),
+                chains.LANGEVIN,
+            ),
+            function(
+                "langevin_series",
+                f"The same for u below {chains.SMALL}, by {chains.TERMS} terms of a series.",
+                (sy.LANGEVIN_ARGUMENT,),
+                chains.LANGEVIN_SERIES,
+            ),
+        ),
+        ("chains.py",),
+        jit_options=None,
+    )
+
+
 @functools.cache
 def catalogue() -> tuple[Module, ...]:
     """Every module of `generated/`, derived once in a program."""
@@ -1292,4 +1353,5 @@ def catalogue() -> tuple[Module, ...]:
         _water(),
         _media(),
         _heat(),
+        _chains(),
     )

@@ -422,3 +422,14 @@ FLOW_CURVATURES = (
     _quantity("curvature_u", "1", "d^2g/du^2 of a flow"),
     _quantity("other_curvature_u", "1", "d^2g/du^2 of another"),
 )
+
+# --- chains ---------------------------------------------------------------------------------------
+SCALED_EXTENSION = _quantity("l", "1", "extension over contour length", positive=True)
+ROOT_FORCE = _quantity("y", "1", "square root of F Lp/kT", positive=True)
+COMPLIANCE = _quantity("s", "1", "kT/(Lp S) of a chain of stretch modulus S", positive=True)
+LANGEVIN_ARGUMENT = _quantity("u", "1", "2 F Lp/kT", positive=True)
+LANGEVIN_DECAY = _quantity("e", "1", "exp(-2 u)", positive=True)
+TWIST_COUPLING = (
+    _quantity("c_0", "1", "twist-stretch coupling over sqrt(S C), at no force"),
+    _quantity("c_1", "1", "its increase with F Lp/kT"),
+)

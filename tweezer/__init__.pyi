@@ -8,6 +8,7 @@ from .fluid.medium import MediumProperties, medium
 from .fluid.pair import pair_mobilities
 from .fluid.resistance.of_scene import resistance
 from .fluid.resistance.resistance import Resistance
+from .forces.chains import chain_force
 from .microrheology.analysis import rheology
 from .microrheology.results import Rheology
 from .optics import (
@@ -90,6 +91,7 @@ __all__ = [
     "bind",
     "calibrate",
     "capture",
+    "chain_force",
     "characterise",
     "chosen",
     "compare",

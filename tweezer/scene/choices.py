@@ -154,6 +154,21 @@ class Shape:
     """whether the bead has a `radius` or `diameter`; otherwise the radius follows from its shape"""
 
 
+@dataclass(frozen=True)
+class ChainLaw:
+    """A law of the force that stretches a polymer, with its parameters."""
+
+    name: str
+    about: str
+    """description in a few words"""
+    branches: str
+    """"module:name" of the function that returns the branches of its curve"""
+    needs: tuple[str, ...] = ()
+    """parameters that it requires, besides contour length, persistence length and temperature"""
+    may: tuple[str, ...] = ()
+    """parameters that it accepts"""
+
+
 def at(place: str) -> Any:
     """Import and return the object at "module:name"."""
     module, _, name = place.partition(":")
@@ -278,6 +293,21 @@ SHAPES: dict[str, Shape] = _by_name(
     Shape("given", "any body with the numbers in `given`; `diameter` encloses it",
           "given body within {diameter}", f"{_SOLIDS}:given", _FILE, f"{_DRAG}:given",
           needs=("given",), may=("t_matrix",), index=False),
+)  # fmt: skip
+
+_CHAINS = "tweezer.forces.chains"
+_STRETCH = ("stretch_modulus",)
+CHAINS: dict[str, ChainLaw] = _by_name(
+    ChainLaw("marko-siggia", "worm-like chain, interpolated by Marko and Siggia",
+             f"{_CHAINS}:marko_siggia", may=_STRETCH),
+    ChainLaw("bouchiat", "worm-like chain, by the polynomial of Bouchiat",
+             f"{_CHAINS}:bouchiat", may=_STRETCH),
+    ChainLaw("odijk", "stiff chain that stretches, by Odijk", f"{_CHAINS}:odijk", _STRETCH),
+    ChainLaw("fjc", "freely jointed chain", f"{_CHAINS}:jointed"),
+    ChainLaw("efjc", "freely jointed chain that stretches", f"{_CHAINS}:jointed", _STRETCH),
+    ChainLaw("twlc", "stiff chain that stretches and twists, by Gross", f"{_CHAINS}:twistable",
+             (*_STRETCH, "twist_rigidity", "twist_coupling", "twist_coupling_slope",
+              "critical_force")),
 )  # fmt: skip
 
 
