@@ -9,9 +9,9 @@ persistence length and S the stretch modulus,
     freely jointed    l = (coth u - 1/u) (1 + s f),   u = 2 f.
 
 The constant c is the twist-stretch coupling g = g_0 + g_1 F over sqrt(S C), where C is the twist
-rigidity. The derivatives are exact. The forms that are emitted do not lose digits: that of Marko
-and Siggia has no difference of nearly equal terms at small l, Langevin's function has a series at
-small u, and the root y of f replaces f where it occurs.
+rigidity. The derivatives are exact. The emitted forms keep their digits: the law of Marko and
+Siggia has no difference of nearly equal terms at small l, and Langevin's function has a series at
+small u. The root y of f replaces f where it occurs.
 
 References
 ----------

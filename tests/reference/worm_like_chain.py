@@ -29,7 +29,7 @@ def exact_extension(force, orders=150):
 
 
 def worm_like(x, Lc, Lp, T, S=None, *, bouchiat=False):
-    """Force of Marko and Siggia or of Bouchiat; with S, of a chain of the length Lc (1 + F/S)."""
+    """Force by Marko and Siggia, or by Bouchiat; with S, the chain has the length Lc (1 + F/S)."""
 
     def law(l):
         more = sum(mp.mpf(a) * l ** (i + 2) for i, a in enumerate(BOUCHIAT)) if bouchiat else 0

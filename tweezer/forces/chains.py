@@ -1,11 +1,11 @@
 r"""Force of a polymer that is stretched between two points.
 
 The laws are emitted (`derivation/chains.py`) with the extension l over the contour length Lc, the
-force f = F Lp/kT and the compliance s = kT/(Lp S), where Lp is the persistence length and S the
-stretch modulus. A chain is a curve in the plane of l and f by a parameter along which both rise:
-l - s f for worm-like chains, the root of f for stiff chains, and 2 f for freely jointed segments.
-None of the laws is implicit in its parameter. The parameter of a given extension or force is found
-by Newton's method within a bracket.
+force f = F Lp/kT and the compliance s = kT/(Lp S). Here Lp is the persistence length and S the
+stretch modulus. A chain is a curve in the plane of l and f, along which both rise with a parameter:
+l - s f for worm-like chains, the root of f for stiff chains, 2 f for freely jointed segments. The
+curve is explicit in its parameter. Newton's method within a bracket finds the parameter at a given
+extension or force.
 """
 
 from __future__ import annotations
@@ -364,7 +364,16 @@ def chain(
     temperature: QuantityLike,
     **parameters: QuantityLike | None,
 ) -> Chain:
-    """Return a chain from its parameters, which are those of `chain_force`.
+    """Return a chain with a law and its parameters.
+
+    Parameters
+    ----------
+    model : str
+        Law of the force.
+    contour_length, persistence_length, temperature : float or str
+        Parameters of every law, in m, m and K.
+    **parameters : float or str
+        Further parameters of the law, by the names of `chain_force`. None is ignored.
 
     Raises
     ------
@@ -496,7 +505,7 @@ def chain_force(
     >>> dna = {"contour_length": "1000 nm", "persistence_length": "50 nm", "temperature": 298}
     >>> force = tweezer.chain_force("marko-siggia", ["500 nm", "900 nm"], **dna)
     >>> (force * 1e12).round(3).tolist()  # pN
-    [0.103, 2.11]
+    [0.103, 2.111]
     """
     polymer = chain(
         model, contour_length=contour_length, persistence_length=persistence_length,
