@@ -54,7 +54,7 @@ def test_langevin_function_follows_from_the_partition_function():
 
 
 def test_series_of_langevin_function():
-    """The terms agree, and the first term that is left out is below 1e-16 at the largest argument."""
+    """All terms agree, and the first that is left out is below 1e-16 at the largest argument."""
     order = 2 * chains.TERMS
     exact = sp.series(sp.coth(u) - 1 / u, u, 0, order + 2).removeO()
     left_out = sp.expand(exact) - sp.expand(chains.langevin_series())

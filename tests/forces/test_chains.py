@@ -79,7 +79,7 @@ def test_extension_inverts_force(law):
 
 @ALL
 def test_slope_is_derivative_of_force(law):
-    """Central differences agree with it, away from the force at which the coupling of twist has a kink."""
+    """Central differences agree with it, away from the kink at the critical force."""
     polymer, x = made(law), extensions(law, 40)[1:-1]
     step = 1e-5 * (LC - x) if polymer.extensions[1] <= LC else np.full_like(x, 1e-13)
     if law == "twlc":
