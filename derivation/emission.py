@@ -15,7 +15,7 @@ from pathlib import Path
 import jinja2
 import sympy
 
-from . import memory_poles, wall, wall_coefficients
+from . import memory_poles, pair, wall, wall_coefficients
 from .lowering import Argument, Function, lower
 from .models import Module, catalogue
 from .printing import code
@@ -65,6 +65,11 @@ def emit() -> dict[str, str]:
         sympy_version=sympy.__version__,
     )
     files["wall.py"] = _formatted(text)
+    of_two = _environment().get_template("pair.py.jinja")
+    text = of_two.render(
+        pair.tables(), sources=_sources(("pair.py",)), sympy_version=sympy.__version__
+    )
+    files["pair.py"] = _formatted(text)
     return files
 
 

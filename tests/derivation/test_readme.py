@@ -9,7 +9,7 @@ from derivation.models import catalogue
 
 ROOT = Path(__file__).parents[2]
 README = ROOT / "derivation" / "README.md"
-TABLES = {"memory_poles", "wall"}
+TABLES = {"memory_poles", "pair", "wall"}
 #: all but the tables, which are of no equations of the catalogue
 MODULES = sorted({path.stem for path in (ROOT / "generated").glob("[!_]*.py")} - TABLES)
 

@@ -9,8 +9,10 @@ import pytest
 
 import tweezer
 from tests.reference import spheres
-from tweezer.fluid.pair import NAMES
+from tweezer.fluid.pair import NAMES, exact
+from tweezer.fluid.pair_table import pair_table
 from tweezer.fluid.two_spheres import resistances
+from tweezer.generated import pair as emitted
 
 ROWS = json.loads(spheres.FILE.read_text())["rows"]
 IDS = [f"1:{row['radius']}, {row['gap']}" for row in ROWS]
@@ -56,7 +58,7 @@ def test_mobilities_agree_with_sums_of_30_digits(row):
 
 
 def test_mobilities_and_signs_agree_with_lambs_solution(by_points):
-    """Of spheres 1 at z = 0 and 2 above it: n_1 = z, n_2 = -z."""
+    """Sphere 1 is at z = 0 and sphere 2 above it, so that n_1 = z and n_2 = -z."""
     found = {name: float(value) for name, value in tweezer.pair_mobilities(1, 0.5, 1).items()}
     m = by_points
     known = {
@@ -141,6 +143,79 @@ def test_large_sphere_is_a_wall():
     first, second, third = np.array(found)
     plane = (8 * third - 6 * second + first) / 3
     np.testing.assert_allclose(plane, [*known.values()], rtol=1e-4)
+
+
+# --- the table for compiled code -----------------------------------------------------------------
+@pytest.fixture(scope="module")
+def table():
+    """Of radii 1 and 0.5."""
+    return pair_table(0.5)
+
+
+def sizes(values, radius):
+    """Scale of each mobility; relative_x is its own."""
+    found = np.array([[scale(name, radius)] for name in NAMES]) * np.ones(values.shape[1])
+    at = NAMES.index("relative_x")
+    found[at] = values[at]
+    return found
+
+
+def test_table_agrees_with_the_sums(table):
+    """At random gaps from the smallest to 50 radii."""
+    gaps = table.lowest * np.exp(np.random.default_rng(1).uniform(0, 16, 25))
+    values, _ = table.mobilities(gaps)
+    known = np.array([exact(1.0, 0.5, float(gap))[0] for gap in gaps]).T
+    assert (np.abs(values - known) <= table.error * sizes(known, 0.5)).all()
+    assert table.error < 1e-8
+
+
+def test_derivatives_of_the_table_agree_with_differences(table):
+    gaps = np.array([0.02, 0.3, 1.0, 5.0])
+    step = 0.02 * gaps
+    at = [
+        np.array([exact(1.0, 0.5, float(gap))[0] for gap in gaps + shift * step]).T
+        for shift in (-3, -2, -1, 1, 2, 3)
+    ]
+    known = (45 * (at[3] - at[2]) - 9 * (at[4] - at[1]) + at[5] - at[0]) / (60 * step)
+    _, slopes = table.mobilities(gaps)
+    values = (at[2] + at[3]) / 2
+    assert (np.abs(slopes - known) * gaps <= 2e-7 * sizes(values, 0.5)).all()
+
+
+def test_table_goes_on_to_contact_and_to_infinity(table):
+    along = NAMES.index("relative_x")
+    gaps = np.array([-1.0, 0.0, 0.5, 1.0, 1.0 + 1e-12]) * table.lowest
+    values, slopes = table.mobilities(gaps)
+    np.testing.assert_allclose(values[along, :3], values[along, 3] * np.array([0, 0, 0.5]))
+    np.testing.assert_allclose(slopes[along, :3], values[along, 3] / table.lowest, rtol=1e-12)
+    np.testing.assert_allclose(values[:, 3], values[:, 4], rtol=1e-9)
+    values, slopes = table.mobilities(np.array([np.inf]))
+    expected = [1, 2, 0, 1, 2, 0, 0, 0, 0, 0, 0.75, 6, 0, 0.75, 6, 0, 3, 3]
+    np.testing.assert_allclose(values[:, 0], expected, atol=1e-8)
+    np.testing.assert_array_equal(slopes[:, 0], 0)
+
+
+def test_table_of_too_unequal_spheres_is_refused():
+    with pytest.raises(tweezer.SceneError, match=r"^ratio of radii = 30: too unequal .*; allowed"):
+        pair_table(30)
+
+
+# --- Rotne, Prager and Yamakawa ------------------------------------------------------------------
+def test_emitted_far_mobility():
+    """Zuk et al. (2014) for spheres that are apart, that overlap, and one inside the other."""
+    a, b = 1.0, 0.4
+    for r in (1.5, 4.0):
+        along, across = emitted.rotne_prager(a, b, r)
+        assert along == pytest.approx(1.5 / r * (1 - (a * a + b * b) / (3 * r * r)), rel=1e-14)
+        assert across == pytest.approx(0.75 / r * (1 + (a * a + b * b) / (3 * r * r)), rel=1e-14)
+    along, across = emitted.rotne_prager(a, a, 1.0)
+    assert along == pytest.approx(1 - 9 / 32 + 3 / 32, rel=1e-14)
+    assert across == pytest.approx(1 - 9 / 32, rel=1e-14)
+    assert emitted.rotne_prager(a, b, 0.3) == (1.0, 1.0)
+    far = dict(zip(NAMES, exact(1.0, 0.4, 30.0)[0], strict=True))
+    turns = emitted.rotne_prager_turning(31.4)
+    known = [far[name] for name in ("tr12", "rrx12", "rry12")]
+    np.testing.assert_allclose(turns, known, rtol=1e-4)
 
 
 # --- the public function -------------------------------------------------------------------------

@@ -15,8 +15,8 @@ from tweezer.compiled import cache_functions
 GENERATED = Path(__file__).parents[2] / "generated"
 #: they call `rhs` and `jacobian`, and do nothing else
 ALIKE = {"rates", "derivatives"}
-#: pieces of series: `tests/fluid/test_wall_mobilities.py` holds them to the sum with 30 digits
-SERIES = {"wall"}
+#: series: `tests/fluid` compares them with sums of 30 digits, and the other functions of `pair`
+SERIES = {"pair", "wall"}
 FUNCTIONS = [
     (path.stem, name)
     for path in sorted(GENERATED.glob("[!_]*.py"))

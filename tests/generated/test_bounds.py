@@ -11,7 +11,7 @@ from derivation.models import catalogue
 from tweezer.compiled import cache_functions
 
 ROOT = Path(__file__).parents[2]
-TABLES = {"memory_poles", "wall"}
+TABLES = {"memory_poles", "pair", "wall"}
 #: arguments of water and of mixtures, in SI: any other number of theirs is no liquid
 SIZES = {
     "T": 300.0, "rho": 1000.0, "wavelength": 1e-6, "refraction": 2e-4, "rho_w": 1000.0, "n_w": 1.33

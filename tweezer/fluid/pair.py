@@ -140,17 +140,20 @@ def exact(radius_1: float, radius_2: float, gap: float) -> tuple[Array, float]:
 
     They are over 1/(6 pi mu) and powers of length.
     """
-    found, asymmetry = _mobilities(radius_1, radius_2, gap, DECAY)
-    again, other = _mobilities(radius_2, radius_1, gap, _SHORTER)
-    difference = np.abs(found - again[_EXCHANGED]) / _scales(radius_1, radius_2)
+    found, asymmetry = mobilities(radius_1, radius_2, gap, DECAY)
+    again, other = mobilities(radius_2, radius_1, gap, _SHORTER)
+    difference = np.abs(found - again[_EXCHANGED]) / scales(radius_1, radius_2)
     at = NAMES.index("relative_x")
     difference[at] = abs(again[at] / found[at] - 1)
-    rounding = _ROUNDING[0] + _ROUNDING[1] * geometry(radius_1, radius_2, gap).terms() ** 2
-    return found, float(max(asymmetry, other, difference.max(), rounding))
+    return found, float(max(asymmetry, other, difference.max()))
 
 
-def _mobilities(radius_1: float, radius_2: float, gap: float, decay: float) -> tuple[Array, float]:
-    """Return the mobilities, (18,), and the largest relative deviation from reciprocity."""
+def mobilities(radius_1: float, radius_2: float, gap: float, decay: float) -> tuple[Array, float]:
+    """Return the mobilities, (18,), and their relative error by rounding.
+
+    It is the larger of the deviation from reciprocity and the usual error of a series of this
+    length. The terms that decrease by more than e^(-decay) are left out.
+    """
     r = resistances(radius_1, radius_2, gap, decay)
     between = r.along[0, 1]
     # forces of spheres that move together, which lubrication does not enter
@@ -169,10 +172,11 @@ def _mobilities(radius_1: float, radius_2: float, gap: float, decay: float) -> t
     sizes = np.array([radius_1, radius_2])
     sizes = np.sqrt(np.concatenate([sizes, 4 / 3 * sizes**3]))
     asymmetry = sizes[:, None] * sizes * np.abs(across - across.T)
-    return found, float(max(asymmetry.max(), abs(r.along[1, 0] / between - 1)))
+    usual = _ROUNDING[0] + _ROUNDING[1] * geometry(radius_1, radius_2, gap).terms() ** 2
+    return found, float(max(asymmetry.max(), abs(r.along[1, 0] / between - 1), usual))
 
 
-def _scales(radius_1: float, radius_2: float) -> Array:
+def scales(radius_1: float, radius_2: float) -> Array:
     """Return the scale of each mobility, (18,): that of separate spheres, or the geometric mean."""
     one, two = 1 / radius_1, 1 / radius_2
     both, relative = np.sqrt(one * two), one + two
