@@ -32,6 +32,8 @@ THUMBNAILS = {
     "flipping-rod": 0.2855,
     "optical-conveyor": 0.4,
     "three-foci": 0.4,
+    "levitated-200nm": 0.2,
+    "polymer-solution": 0.02,
 }
 #: how many times the key I enlarges the view of a thumbnail; 0 if not listed
 NEARER = {"flipping-rod": 4}

@@ -363,8 +363,9 @@ def test_shipped_scenes_load_without_a_warning():
     of_waves = {"silica-1um", "polystyrene-500nm", "gold-100nm", "coated-1um"}
     of_bodies = {"flipping-rod"}
     of_pupils = {"astigmatic-trap", "optical-conveyor", "three-foci"}
+    of_media = {"levitated-200nm", "polymer-solution"}
     assert set(shipped_scenes()) == {
-        *OF_THE_BEAD, *of_waves, *of_several_beams, *of_bodies, *of_pupils
+        *OF_THE_BEAD, *of_waves, *of_several_beams, *of_bodies, *of_pupils, *of_media
     }  # fmt: skip
     with warnings.catch_warnings(action="error"):
         for name, path in shipped_scenes().items():

@@ -17,6 +17,7 @@ _UNITS = {
     "s": ("ms", "us", "s"),
     "W": ("mW", "uW", "W"),
     "K": ("K",),
+    "Pa": ("Pa",),
     "Pa s": ("mPa s", "Pa s"),
     "kg/m^3": ("kg/m^3",),
     "m/s": ("m/s", "um/s", "mm/s"),
