@@ -19,6 +19,7 @@ from tweezer.viewing.arrays import Packed, float32, uint16
 from tweezer.viewing.content import Content, Row
 from tweezer.viewing.rows import computed_by, of_number
 from tweezer.viewing.setting import of_the_picture, plotted_axes, scene_facts
+from tweezer.viewing.surroundings import of_the_medium
 from tweezer.viewing.turning import orientations
 
 if TYPE_CHECKING:
@@ -259,6 +260,7 @@ def _summary(
         Row("model, method", f"{model}; {method}"),
         of_number("step", float(dataset.attrs["step"]), None, "s", in_tables=True),
         Row("light", f"{scene.theory} ({scene.theory_reason})" if scene.lit else "none"),
+        *of_the_medium(scene),
         Row("seed", f"{dataset.attrs['seed']}"),
     ]
 

@@ -26,6 +26,7 @@ from tweezer.viewing.arrays import Packed, float32
 from tweezer.viewing.content import Content, Row
 from tweezer.viewing.rows import NOT_KNOWN, computed_by, of_number, si
 from tweezer.viewing.setting import of_the_picture, scene_facts
+from tweezer.viewing.surroundings import of_the_medium
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -111,9 +112,8 @@ def _forces(run: Run, problem: Problem) -> tuple[dict[str, Array], list[str]]:
     if scene.forces.brownian:
         forces["sum"] = net
         return forces, [
-            "The sum of forces excludes drag and the thermal force of the water. With thermal "
-            "motion these two change within the relaxation time of the velocity, which is far "
-            "shorter than the sampling interval, so they cannot be drawn."
+            "The sum of forces excludes drag and the thermal force of the medium. The thermal "
+            "force fluctuates within any sampling interval, so it cannot be drawn."
         ]
     if run.attributes["model"] == "overdamped":
         forces |= {"drag": -net, "sum": np.zeros_like(net)}
@@ -122,15 +122,18 @@ def _forces(run: Run, problem: Problem) -> tuple[dict[str, Array], list[str]]:
         ]
     drag, by = _steady_drag(run, problem)
     forces |= {"drag": drag, "sum": net + drag}
-    if run.attributes["fluid_inertia"] != "none" and len(run["time"]) >= _FEWEST:
+    elastic = scene.medium.viscoelastic
+    if (elastic or run.attributes["fluid_inertia"] != "none") and len(run["time"]) >= _FEWEST:
         change = problem.bead.mass * _slope(run["velocity"], run["time"])
-        forces |= {"fluid": change - net - drag, "sum": change}
+        name, what = ("medium", "rest") if elastic else ("fluid", "inertia")
+        of_solvent, elements = (" in the solvent", "its elements, ") if elastic else ("", "")
+        forces |= {name: change - net - drag, "sum": change}
         error = _error_of_slope(change, run["velocity"], run["time"], problem.bead.mass)
         return forces, [
-            f"Drag is the steady drag, {by}. The inertia of the fluid is "
-            "the remaining force of the water: added mass and, with memory, the Basset force. "
-            "The sum is mass times acceleration of the bead. The acceleration follows from the "
-            "velocity differences between samples. If only every second sample is used, mass times "
+            f"Drag is the steady drag{of_solvent}, {by}. The {what} of the {name} is its "
+            f"remaining force: {elements}added mass and, with memory, the Basset force. The sum is "
+            "mass times acceleration of the bead. The acceleration follows from the velocity "
+            "differences between samples. If only every second sample is used, mass times "
             "acceleration changes "
             f"by at most {si(error, 'N')}."
         ]
@@ -221,8 +224,8 @@ def _energies(
             else ("kinetic energy", "and torques ")
         )
         notes.append(
-            f"The energy given to the water is the work of all forces {torques}except drag, minus "
-            f"the gain of the bead's {of_motion}. It becomes heat and motion of the water."
+            f"The energy given to the medium is the work of all forces {torques}except drag, minus "
+            f"the gain of the bead's {of_motion}. It becomes heat and motion of the medium."
         )
     return energies, notes
 
@@ -333,6 +336,7 @@ def _rows(run: Run, problem: Problem, summary: Summary) -> list[Row]:
     if scene.draws:
         rows.append(_row("seed", str(attributes["seed"])))
     rows += [
+        *of_the_medium(scene),
         _size(scene),
         _row("weight less buoyancy", si(-problem.bead.weight[2], "N")),
         _row("samples", f"{len(run['time'])}"),

@@ -23,6 +23,7 @@ from tweezer.viewing.arrays import float32
 from tweezer.viewing.content import Content, Row
 from tweezer.viewing.rows import of_number, si
 from tweezer.viewing.setting import of_the_picture, scene_facts
+from tweezer.viewing.surroundings import of_the_medium
 
 #: Number of nodes of a force table at each angle about the axis
 _NODES = 10_000
@@ -440,7 +441,7 @@ def _summary(trap: Trap) -> list[Row]:
         for row in trap.card().rows
         if row.of not in told
     ]
-    return rows
+    return [*rows, *of_the_medium(trap.scene)]
 
 
 def _notes(trap: Trap, compared: _Compared) -> list[str]:

@@ -15,6 +15,7 @@ const FORCES = {
   others: ["other forces", "force-wall", true],
   drag: ["drag", "force-drag", true],
   fluid: ["inertia of the fluid", "force-fluid", true],
+  medium: ["rest of the medium", "force-fluid", true],
   sum: ["sum", "force-sum", false],
 };
 const DASHES = { x: [], y: [7, 3], z: [2, 2.5] };
@@ -219,7 +220,7 @@ function plotted(content, shell, clock, times, place, foci) {
   if (facts.body) turns(shell, x, options, points, plots);
   inUnits("Energy", "", false,
     of("energy_work", { name: "work of the light", colour: "force-light" }),
-    of("energy_lost", { name: "given to the water", colour: "force-drag", dash: [7, 3] }),
+    of("energy_lost", { name: "given to the medium", colour: "force-drag", dash: [7, 3] }),
     of("energy_kinetic", { name: "kinetic", colour: "force-sum", dash: [2, 2.5] }));
   return plots;
 }
