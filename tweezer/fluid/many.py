@@ -6,8 +6,8 @@ Brady and G. Bossis, J. Fluid Mech. 180, 21 (1987)):
 
     R = inv(M_far) + sum over pairs [inv(M_exact) - inv(M_far of the pair)].
 
-For two spheres it is exact. Each term of the sum is positive, and so is the mobility. The sum of
-exact *mobilities* of pairs is not: near contact it is indefinite.
+For two spheres it is exact. Each term of the sum is positive, which makes the mobility positive.
+The sum of exact *mobilities* of pairs is indefinite near contact.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tweezer.fluid.pair import NAMES
 from tweezer.fluid.pair_table import pair_table
@@ -108,7 +109,7 @@ def many_mobility(positions: Array, radii: Array, viscosity: float) -> Mobility:
     return Mobility(sizes[:, None] * sizes * matrix / scale, max(of_tables, _error(gaps, a)))
 
 
-def _indices(count: int, i: int, j: int) -> tuple[Array, Array]:
+def _indices(count: int, i: int, j: int) -> tuple[NDArray[np.int_], ...]:
     """Return the index of the rows and columns of two spheres: velocities, then angular ones."""
     first = np.array([3 * i, 3 * j, 3 * (count + i), 3 * (count + j)])
     return np.ix_(*[(first[:, None] + np.arange(3)).ravel()] * 2)
