@@ -67,7 +67,7 @@ COMMANDS = {
 }  # fmt: skip
 #: pages of the keys of a scene: title and sections
 KEYS = {
-    "scenes.md": ("Scene files", "bead medium heat lens beam"),
+    "scenes.md": ("Scene files", "bead tether medium heat lens beam"),
     "scenes-motion.md": (
         "Scene files: motion and computation",
         "start wall mirror forces camera detector lock_in optics simulation",

@@ -129,7 +129,8 @@ print(Beam.__pydantic_complete__)
     ("key", "told"),
     [
         ("power", "'power': must be section.key; did you mean beam.power?"),
-        ("frequency", "did you mean beam.phasing.frequency or beam.motion.frequency or "),
+        ("frequency", "'frequency': must be section.key; did you mean lock_in.frequency?"),
+        ("refractive_index", "did you mean bead.refractive_index or medium.refractive_index or "),
         ("colour", "'colour': must be section.key, such as beam.power"),
     ],
 )

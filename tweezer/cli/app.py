@@ -137,7 +137,7 @@ def scene_with(scene: str | Scene, settings: dict[str, str]) -> Scene:
     """Return a scene, or the scene of that name or file, with the changes of `settings_of`."""
     from tweezer.scene import checked_scene, with_settings
 
-    described = checked_scene(scene)
+    described = checked_scene(scene, several=True)
     return with_settings(described, settings) if settings else described
 
 

@@ -155,6 +155,11 @@ def run(
             )
         described = _sampled(described, rate, settings)
     check_run(described, seed)
+    if described.more_beads:
+        from tweezer.cli.several import run_of_several
+
+        run_of_several(described, seed, out, plot, continue_from, force, overwrite=overwrite)
+        return
     going_on = None
     default = f"{described.name}.nc"
     if continue_from is not None:

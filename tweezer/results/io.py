@@ -161,7 +161,7 @@ def load_run(path: str | Path) -> xr.Dataset:
         raise ResultError(
             f"{path}: not a saved run: an attribute or a variable of a run is missing"
         )
-    if kind.name != "run":
+    if kind.name not in ("run", "beads"):
         raise ResultError(
             f"{path}: not a saved run: is {kind.told}; `xarray.open_dataset` reads it"
         )

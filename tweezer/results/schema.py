@@ -315,6 +315,12 @@ _RUN = {
     ),
     **_SEEN,
 }  # fmt: skip
+_BEADS = {
+    "time": _TIME,
+    "position": Variable(("time", "bead", "axis"), "m", needed=True),
+    **_over_time("bead", "axis", optical_force="N"),
+    **_over_time("pair", distance="m", gap="m", force_between="N"),
+}
 _ENSEMBLE = {
     "time": _TIME,
     "lost_time": Variable(("trajectory",), "s", needed=True),
@@ -346,6 +352,7 @@ _STATISTICS = {
 #: Requirements by the name of the kind
 SCHEMAS: dict[str, Schema] = {
     "run": Schema(_OfRun, _RUN, _of_run),
+    "beads": Schema(_OfRun, _BEADS, _of_run),
     "ensemble": Schema(_OfEnsemble, _ENSEMBLE, _of_ensemble),
     "statistics": Schema(_OfEnsemble, _STATISTICS, _of_statistics),
     "sweep": Schema(_OfSweep, {}, _of_sweep),

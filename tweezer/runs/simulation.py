@@ -77,7 +77,7 @@ def simulate(
     progress: Callable[[float], None] | None = None,
     continue_from: xr.Dataset | str | Path | None = None,
 ) -> xr.Dataset:
-    """Release the bead of `scene` and return its motion.
+    """Release the bead, or the beads, of `scene` and return the motion.
 
     With thermal motion the run is trajectory 0 of the ensemble with the same seed. Its steps are
     fixed, so it has no tolerances, and the integration error is NaN. Models without inertia have no
@@ -125,6 +125,8 @@ def simulate(
         * velocity, m/s
         * orientation (Euler parameters) and angular_velocity (body frame): if the bead rotates
         * seen (frame, seen_axis): positions in the frames of a camera, m, with frame_time, s
+        * of several beads: position (time, bead, axis), optical_force, N, and for each two of them
+          distance and gap (time, pair), m, and force_between, N, positive for attraction
         * signal (time, channel): signals x, y and z of a detector, W, behind its bandwidth and with
           its shot noise
         * the quantities of `tweezer.runs.derived`
@@ -156,13 +158,36 @@ def simulate(
     >>> run.position.sel(axis="z")[-1].item() < 1e-7  # m, near the focus
     True
     """
-    scene = _adjusted(checked_scene(scene), duration, model, method, tolerance)
+    scene = checked_scene(scene, several=True)
+    scene = _adjusted(scene, duration, model, method, tolerance)
     if scene.forces.brownian and tolerance:
         raise SceneError("tolerance: cannot be combined with forces.brownian = true")
+    if scene.more_beads:
+        return _of_several_beads(scene, seed, forces, events, progress, continue_from)
     going_on = None if continue_from is None else going_on_from(scene, continue_from)
     run, find_errors = motion_of(scene, seed, forces, events, progress, going_on)
     find_errors()
     return run.dataset()
+
+
+def _of_several_beads(
+    scene: Scene,
+    seed: int | None,
+    forces: Sequence[Force | str],
+    events: Sequence[Event],
+    progress: Callable[[float], None] | None,
+    continue_from: xr.Dataset | str | Path | None,
+) -> xr.Dataset:
+    """Return the run of a scene with several beads; refuse what requires a single one."""
+    from tweezer.beads.motion import run_of
+
+    for name, given in (("forces", forces), ("events", events)):
+        if given:
+            raise SceneError(f"{name}: require a single bead; omit {name}")
+    if continue_from is not None:
+        raise SceneError("continue_from: requires a single bead; simulate the whole duration")
+    check_run(scene, seed)
+    return run_of(scene, seed, progress).dataset()
 
 
 def going_on_from(scene: Scene, earlier: xr.Dataset | str | Path) -> tuple[Scene, Continued]:

@@ -316,7 +316,7 @@ def evaluator(name: str) -> Evaluator:
     return EVALUATORS["quadrature" if name == "auto" else name]
 
 
-def told(entries: Iterable[Model | Method | Inertia | Theory | Evaluator | Shape]) -> str:
+def told(entries: Iterable[Any]) -> str:
     """Return the descriptions of entries in one line, with equal descriptions only once."""
     by_text: dict[str, list[str]] = {}
     for each in entries:

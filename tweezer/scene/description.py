@@ -10,6 +10,7 @@ from pydantic import AliasChoices, Field
 from tweezer.scene.body import Body
 from tweezer.scene.choices import Evaluator
 from tweezer.scene.courses import NAME, Section
+from tweezer.scene.keys import SEVERAL
 from tweezer.scene.media import CONTINUUM, GASES
 from tweezer.scene.sections import (
     Bead,
@@ -25,6 +26,7 @@ from tweezer.scene.sections import (
     Optics,
     Simulation,
     Start,
+    Tether,
     Wall,
 )
 from tweezer.scene.temperatures import Heating
@@ -32,6 +34,8 @@ from tweezer.scene.theory import Choice, chosen_theory
 from tweezer.values.errors import SceneError
 from tweezer.values.units import to_si
 
+#: Largest number of beads in a scene
+MOST_BEADS = 100
 #: Distance of a wall from the bead's centre, in radii, from which the memory neglects it
 FREE = 20.0
 
@@ -54,10 +58,16 @@ class Description(Section):
     medium: Medium
     lens: Lens
     beam: Beam
+    more_beads: Annotated[tuple[Bead, ...], Field(max_length=MOST_BEADS - 1)] = Field(
+        (), description="of a file with several [[bead]]: all but the first"
+    )
     more_beams: Annotated[tuple[Beam, ...], Field(max_length=100)] = Field(
         (), description="of a file with several [[beam]]: all but the first"
     )
     start: Start
+    tether: Annotated[tuple[Tether, ...], Field(max_length=1000)] = Field(
+        (), description="molecules and springs between beads; none if not given"
+    )
     wall: Wall | None = Field(None, description="a plane that ends the fluid; none if not given")
     mirror: Mirror | None = Field(
         None, description="a plane that reflects light; none if not given"
@@ -97,6 +107,20 @@ class Description(Section):
     def noise_temperature(self) -> float:
         """Temperature of the bead's thermal motion, K: that of the medium unless light heats it."""
         return self.medium.temperature + self.heating.water + self.heating.noise
+
+    @property
+    def beads(self) -> tuple[Bead, ...]:
+        """All beads."""
+        return self.bead, *self.more_beads
+
+    @property
+    def bead_names(self) -> list[str]:
+        """Names of all beads; their numbers, from 1, for those without a name."""
+        return [bead.name or str(i) for i, bead in enumerate(self.beads, start=1)]
+
+    def every(self, kind: str) -> tuple[Any, ...]:
+        """Return all sections of a kind of which there may be several, such as "beam"."""
+        return (getattr(self, kind), *getattr(self, SEVERAL[kind]))
 
     @property
     def beams(self) -> tuple[Beam, ...]:

@@ -10,9 +10,11 @@ from typing import Any
 
 from tweezer.scene.choices import SHAPES
 from tweezer.scene.courses import refusal
+from tweezer.scene.keys import SEVERAL
 from tweezer.scene.materials import Material, materials
 from tweezer.scene.media import MEDIA, SODIUM, Fluid, Properties
 from tweezer.scene.sections import FILLED, NAMED
+from tweezer.scene.starts import with_starts
 from tweezer.values.units import TEMPERATURE, to_si
 
 #: Shapes of a bead that has no refractive index of its own
@@ -25,10 +27,15 @@ def filled_in(data: dict[str, Any]) -> dict[str, Any]:
     `data` has values by section and key, as given by the user. The filled keys of a section are
     listed under `FILLED`.
     """
-    data = _wall_of_the_cover(_several_beams(data))
+    for kind in SEVERAL:
+        data = _several(data, kind)
+    data = _wall_of_the_cover(with_starts(data))
     _refuse_names_of_indices(data)
     if isinstance(bead := data.get("bead"), dict):
         data = {**data, "bead": _of_materials(data, bead)}
+    if more := data.get("more_beads"):
+        beads = (_of_materials(data, each) if isinstance(each, dict) else each for each in more)
+        data = {**data, "more_beads": list(beads)}
     return _medium_by_name(data)
 
 
@@ -265,12 +272,13 @@ def _wall_of_the_cover(data: dict[str, Any]) -> dict[str, Any]:
     return {**data, "wall": {**wall, "position": position, FILLED: ["position"]}}
 
 
-def _several_beams(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the data with all beams after the first moved to `more_beams`."""
-    if isinstance(beams := data.get("beam"), list | tuple):
-        if not beams:
-            raise refusal("beam: at least one beam is required")
-        if "more_beams" in data:
-            raise refusal("more_beams: cannot be combined with beam = [...], which gives all beams")
-        data = {**data, "beam": beams[0], "more_beams": list(beams[1:])}
+def _several(data: dict[str, Any], kind: str) -> dict[str, Any]:
+    """Return the data with all beams, or beads, after the first under a key of their own."""
+    if isinstance(every := data.get(kind), list | tuple):
+        key = SEVERAL[kind]
+        if not every:
+            raise refusal(f"{kind}: at least one {kind} is required")
+        if data.get(key):
+            raise refusal(f"{key}: cannot be combined with {kind} = [...], which gives all {kind}s")
+        data = {**data, kind: every[0], key: list(every[1:])}
     return data

@@ -13,8 +13,10 @@ from tweezer.scene.sections import ALTERNATIVES, BELONGING, NAMED, WITHIN_LAYERS
 #: Stored key for the alternative in a scene file, such as ("bead", "diameter") -> "radius" and
 #: ("beam", "waist") -> "sigma"; stored lengths are half of the alternative
 HALVES = {(section, other): key for section, pairs in ALTERNATIVES.items() for key, other in pairs}
-#: Pattern of one of several beams, counted from 1
-NUMBERED = re.compile(r"beam\[([1-9][0-9]*)\]")
+#: Sections of which a scene may have several, and the key with all but the first
+SEVERAL = {"beam": "more_beams", "bead": "more_beads"}
+#: Pattern of one of several beams or beads, counted from 1
+NUMBERED = re.compile(r"(beam|bead)\[([1-9][0-9]*)\]")
 #: Alternative words for keys of a scene, by section
 FAMILIAR = {
     "bead": {
@@ -62,7 +64,8 @@ def section_of(annotation: Any) -> Any:
 
 def kind_of(section: str) -> str:
     """Return the kind of a section from its name: "beam" for "beam[2]", otherwise the name."""
-    return "beam" if NUMBERED.fullmatch(section) else section
+    found = NUMBERED.fullmatch(section)
+    return found[1] if found else section
 
 
 def by_key(scene: Mapping[str, Any]) -> dict[str, Any]:
@@ -71,9 +74,10 @@ def by_key(scene: Mapping[str, Any]) -> dict[str, Any]:
     `scene` has its sections as mappings by name, as in TOML or JSON.
     """
     sections = dict(scene.items())
-    if more := sections.pop("more_beams", ()):
-        beams = sections.pop("beam"), *more
-        sections |= {f"beam[{i}]": beam for i, beam in enumerate(beams, start=1)}
+    for kind, key in SEVERAL.items():
+        if more := sections.pop(key, ()):
+            every = sections.pop(kind), *more
+            sections |= {f"{kind}[{i}]": each for i, each in enumerate(every, start=1)}
     return {
         f"{section}.{key}": value
         for section, values in sections.items()

@@ -8,7 +8,7 @@ from typing import Any
 
 from tweezer.scene.courses import with_tables
 from tweezer.scene.files import read_scene
-from tweezer.scene.messages import in_short
+from tweezer.scene.messages import counted, in_short
 from tweezer.scene.scene import Scene, validated
 from tweezer.values.errors import SceneError
 
@@ -16,15 +16,21 @@ SceneLike = Scene | str | Path | Mapping[str, Any]
 """a scene, the name of a shipped one, a TOML file, or a mapping of the same form"""
 
 
-def checked_scene(scene: SceneLike) -> Scene:
+def checked_scene(scene: SceneLike, *, several: bool = False) -> Scene:
     """Return the scene for an argument: a scene itself, or a source for `load_scene`.
 
-    Raises `SceneError` if it neither is a scene nor names one.
+    Raises `SceneError` if it neither is a scene nor names one, or if it has several beads and
+    `several` is False.
     """
-    if isinstance(scene, Scene):
-        return scene
     if isinstance(scene, str | Path | Mapping):
-        return load_scene(scene)
+        scene = load_scene(scene)
+    if isinstance(scene, Scene):
+        if scene.more_beads and not several:
+            raise SceneError(
+                f"bead: the scene has {counted(scene.beads, 'bead')}, and this requires one; "
+                "remove the others, or use Scene.alone"
+            )
+        return scene
     raise SceneError(
         f"scene = {in_short(scene)}: must be a Scene, the name of a shipped one, a TOML file or a "
         "mapping"

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from typing import Any
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from tweezer.scene.courses import Section
-from tweezer.scene.keys import HALVES, NUMBERED, kind_of, nearest_key, section_of
+from tweezer.scene.keys import HALVES, NUMBERED, SEVERAL, kind_of, nearest_key, section_of
 from tweezer.scene.sections import ALTERNATIVES, NAMED
 from tweezer.values.units import as_given, quantity_of
 
@@ -21,10 +21,17 @@ _SWITCHES = {
 }
 
 
-def lines_of(error: ValidationError, scene: type[Section], several: bool) -> Iterator[str]:
+#: Sections by the key with all but the first
+_KINDS = {key: kind for kind, key in SEVERAL.items()}
+
+
+def lines_of(
+    error: ValidationError, scene: type[Section], several: Container[str]
+) -> Iterator[str]:
     """Yield one line per invalid value, in the order of the scene.
 
-    `scene` is the class of scenes, and `several` is whether the scene has several beams.
+    `scene` is the class of scenes, and `several` contains the sections of which the scene has more
+    than one, such as "beam".
     """
     errors = error.errors(include_url=False)
     wrong = {details["loc"] for details in errors}
@@ -33,10 +40,11 @@ def lines_of(error: ValidationError, scene: type[Section], several: bool) -> Ite
         name, filled = NAMED.get(str(where[0]), ("", ())) if where else ("", ())
         if details["type"] == "missing" and (where[0], name) in wrong and where[-1] in filled:
             continue  # a valid name would fill in this key
-        if several and where[:1] == ("beam",):
-            where = ("beam[1]", *where[1:])
-        elif where[:1] == ("more_beams",) and len(where) > 1:  # numbered as in the file: [[beam]]
-            where = (f"beam[{int(where[1]) + 2}]", *where[2:])
+        kind = _KINDS.get(str(where[0])) if where else None
+        if where and where[0] in several:
+            where = (f"{where[0]}[1]", *where[1:])
+        elif kind and len(where) > 1:  # numbered as in the file: [[beam]]
+            where = (f"{kind}[{int(where[1]) + 2}]", *where[2:])
         key = ".".join(str(part) for part in where)
         named = _clipped(key)
         if details["type"] == "scene":
@@ -68,7 +76,8 @@ def _allowed(details: ErrorDetails, key: str) -> str:
         case "tuple_type":
             return "must be a list"
         case "model_type" | "dict_type":
-            name = "[beam]" if NUMBERED.fullmatch(key) else details["loc"][-1]
+            found = NUMBERED.fullmatch(key)
+            name = f"[{found[1]}]" if found else details["loc"][-1]
             return f"must be a section [{name}]"
         case "string_type":
             return "must be text"
@@ -89,11 +98,13 @@ def _known_keys(details: ErrorDetails, scene: type[Section]) -> str:
             section = section_of(section.model_fields[str(part)].annotation)
     keys = [key for key in section.model_fields if key != "changed"]
     names = [str(part) for part in details["loc"][:-1] if not isinstance(part, int)]
-    for pair in ALTERNATIVES.get(".".join(names).replace("more_beams", "beam"), ()):
+    if names:
+        names[0] = _KINDS.get(names[0], names[0])
+    for pair in ALTERNATIVES.get(".".join(names), ()):
         keys += [key for key in pair if key not in keys]
     if "times" in keys:
         keys.append("file")
-    near = nearest_key(".".join(names).replace("more_beams", "beam"), str(details["loc"][-1]), keys)
+    near = nearest_key(".".join(names), str(details["loc"][-1]), keys)
     return f"did you mean {near[0]}?" if near else f"allowed: {', '.join(keys)}"
 
 
@@ -128,7 +139,7 @@ def _each(section: str, value: Any) -> list[tuple[str, Any]]:
     Sections of a list are numbered: beam[1], or beam[2] for the first of `more_beams`.
     """
     if isinstance(value, list | tuple):
-        name, first = ("beam", 2) if section == "more_beams" else (section, 1)
+        name, first = (_KINDS[section], 2) if section in _KINDS else (section, 1)
         return [(f"{name}[{i}]", each) for i, each in enumerate(value, start=first)]
     return [(section, value)]
 
@@ -173,12 +184,12 @@ def _clipped(text: str) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def counted(beams: Sequence[Any]) -> str:
-    """Return the number of beams in words."""
-    return "one beam" if len(beams) == 1 else f"{len(beams)} beams"
+def counted(every: Sequence[Any], kind: str = "beam") -> str:
+    """Return the number of beams, or of sections of another kind, in words."""
+    return f"one {kind}" if len(every) == 1 else f"{len(every)} {kind}s"
 
 
-def numbered(beams: Sequence[Any]) -> str:
-    """Return the number of beams and their names."""
-    names = "beam" if len(beams) == 1 else f"beam[1] to beam[{len(beams)}]"
-    return f"{counted(beams)}, {names}"
+def numbered(every: Sequence[Any], kind: str = "beam") -> str:
+    """Return the number of beams, or of sections of another kind, and their names."""
+    names = kind if len(every) == 1 else f"{kind}[1] to {kind}[{len(every)}]"
+    return f"{counted(every, kind)}, {names}"

@@ -12,6 +12,7 @@ from tweezer.scene.interference import check_interference
 from tweezer.scene.media import CONTINUUM, GASES
 from tweezer.scene.messages import either
 from tweezer.scene.sections import Beam
+from tweezer.scene.several import check_several
 from tweezer.scene.theory import NO_MAP, named_beams
 from tweezer.values.errors import warn
 from tweezer.values.rounding import least
@@ -27,6 +28,7 @@ _MOST_FRAMES = 10_000_000
 
 def check(scene: Description) -> None:
     """Refuse a scene whose sections contradict each other."""
+    check_several(scene)
     _aperture_in_reach(scene)
     by = EVALUATORS.get(scene.optics.evaluator)
     for beam in scene.beams:

@@ -19,7 +19,7 @@ from tweezer.scene.files import read_scene, shipped_scenes
 from tweezer.scene.filling import filled_in
 from tweezer.scene.heating import heats_bead, heats_medium, medium_at
 from tweezer.scene.interference import planes
-from tweezer.scene.keys import HALVES, NUMBERED, by_key, changed_section, kind_of
+from tweezer.scene.keys import HALVES, NUMBERED, SEVERAL, by_key, changed_section, kind_of
 from tweezer.scene.media import GASES
 from tweezer.scene.messages import as_toml, counted, doubts_of, in_short, lines_of, numbered
 from tweezer.scene.rules import check, warn_of_unused_aperture
@@ -71,6 +71,7 @@ class Scene(Description):
         rows = [
             Row("bead", f"{bead.size_in_words}{made_of}{indexed}, "
                 f"{bead.density:.5g} kg/m^3"),
+            *self._more_beads_in_words(),
             Row("medium", f"index {medium.refractive_index:.5g}, {viscosity}, "
                 f"{medium.temperature:.5g} K"),
             Row("light", f"{light}; {self.theory.removesuffix('s')} optics ({self.theory_reason})"
@@ -90,6 +91,16 @@ class Scene(Description):
         if changes := self._changes_in_short():
             rows.append(Row("changed", changes))
         return Card("Scene", self.name, tuple(rows))
+
+    def _more_beads_in_words(self) -> list[Row]:
+        """Return rows on further beads, and on tethers."""
+        rows = []
+        for each in self.more_beads:
+            made_of = f" of {each.material}" if each.material else ""
+            rows.append(Row("bead", f"{each.size_in_words}{made_of}"))
+        rows += [Row("tether", f"{each.model} of {' and '.join(each.between)}")
+                 for each in self.tether]  # fmt: skip
+        return rows
 
     def heat_in_words(self) -> str:
         """Return what the light heats, with the temperature rises if they were computed."""
@@ -174,6 +185,33 @@ class Scene(Description):
         if offset:
             far = self.simulation.loss_distance + offset
             update["simulation"] = self.simulation.model_copy(update={"loss_distance": far})
+        return self.model_copy(update=update)
+
+    def alone(self, number: int) -> Scene:
+        """Return the scene with one of its beads alone, without forces between beads.
+
+        Parameters
+        ----------
+        number : int
+            Number of the bead, from 1.
+
+        Raises
+        ------
+        SceneError
+            If there is no such bead.
+        """
+        if not 1 <= number <= len(self.beads):
+            raise SceneError(f"number = {number}: the scene has {numbered(self.beads, 'bead')}")
+        bead = self.beads[number - 1]
+        if bead.start is None:  # the only bead
+            return self
+        update: dict[str, Any] = {
+            "bead": bead.model_copy(update={"name": None, "start": None}),
+            "more_beads": (),
+            "tether": (),
+            "forces": self.forces.model_copy(update={"between": None}),
+            "start": self.start.model_copy(update={"position": bead.start}),
+        }
         return self.model_copy(update=update)
 
     def of_power(self, power: float) -> Scene:
@@ -299,8 +337,10 @@ class Scene(Description):
                 for key, value in dict(given).items():
                     if differs(f"{section}.{key}"):
                         changed[f"{section}.{key}"] = as_toml(value)
-        if isinstance(sections.get("beam"), list | tuple) and replaced.beams != self.beams:
-            changed["beam"] = f"{len(replaced.beams)} of them"
+        for kind in SEVERAL:
+            now = replaced.every(kind)
+            if isinstance(sections.get(kind), list | tuple) and now != self.every(kind):
+                changed[kind] = f"{len(now)} of them"
         return dict(sorted(changed.items()))
 
     def decided(self, **sections: Mapping[str, Any]) -> Scene:
@@ -320,32 +360,38 @@ class Scene(Description):
 
     def _replaced(self, sections: Mapping[str, Any]) -> Scene:
         """Return a validated copy with changed sections and the old list of changes."""
-        if "more_beams" in sections:
-            raise SceneError(
-                "more_beams: beam = [...] replaces all beams, and beam[2] changes the second"
-            )
         data = self.model_dump(exclude_none=True)
-        beams = [data["beam"], *data.pop("more_beams")]
-        if len(beams) > 1:
-            data["beam"] = beams
+        every: dict[str, list[Any]] = {}
+        for kind, key in SEVERAL.items():
+            if key in sections:
+                raise SceneError(
+                    f"{key}: {kind} = [...] replaces all {kind}s, and {kind}[2] changes the second"
+                )
+            every[kind] = [data[kind], *data.pop(key)]
+            if len(every[kind]) > 1:
+                data[kind] = every[kind]
         try:
             read = with_tables(sections, Path())
         except ValueError as error:
             raise SceneError(str(error)) from None
         for section, changes in read.items():
-            if section == "beam" and len(beams) > 1 and not isinstance(changes, list | tuple):
-                key = ".".join(["beam", *changes][:2]) if isinstance(changes, Mapping) else "beam"
-                raise SceneError(f"{key}: does not name a beam; the scene has {numbered(beams)}")
+            kind = kind_of(section)
+            there = every.get(kind, [])
+            if section == kind and len(there) > 1 and not isinstance(changes, list | tuple):
+                key = ".".join([kind, *changes][:2]) if isinstance(changes, Mapping) else kind
+                raise SceneError(
+                    f"{key}: does not name a {kind}; the scene has {numbered(there, kind)}"
+                )
             if found := NUMBERED.fullmatch(section):
-                at = int(found[1]) - 1
-                if len(beams) == 1 or not 0 <= at < len(beams):
-                    raise SceneError(f"{section}: the scene has {numbered(beams)}")
-                if "beam" in sections:
+                at = int(found[2]) - 1
+                if len(there) == 1 or not 0 <= at < len(there):
+                    raise SceneError(f"{section}: the scene has {numbered(there, kind)}")
+                if kind in sections:
                     raise SceneError(
-                        f"{section}: cannot be combined with beam, which gives all beams"
+                        f"{section}: cannot be combined with {kind}, which gives all {kind}s"
                     )
-                beams[at] = changed_section(beams[at], "beam", changes)
-                data["beam"] = beams
+                there[at] = changed_section(there[at], kind, changes)
+                data[kind] = there
             else:
                 data[section] = changed_section(data.get(section), section, changes)
         return validated(data, sections)
@@ -356,7 +402,10 @@ def validated(data: dict[str, Any], given: Mapping[str, Any]) -> Scene:
     try:
         scene = Scene.model_validate(data)
     except ValidationError as error:
-        several = isinstance(data.get("beam"), list | tuple) or bool(data.get("more_beams"))
+        several = [
+            kind for kind, key in SEVERAL.items()
+            if isinstance(data.get(kind), list | tuple) or data.get(key)
+        ]  # fmt: skip
         lines = (" ".join(line.splitlines()) for line in lines_of(error, Scene, several))
         shown = list(itertools.islice(lines, _MOST_LINES))
         if (more := error.error_count() - len(shown)) > 0 and len(shown) == _MOST_LINES:

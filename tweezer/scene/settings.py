@@ -7,7 +7,15 @@ from collections.abc import Mapping
 from typing import Any, Literal, get_args, get_origin
 
 from tweezer.scene.files import NOT_TOML
-from tweezer.scene.keys import HALVES, NUMBERED, familiar, kind_of, nearest_key, section_of
+from tweezer.scene.keys import (
+    HALVES,
+    NUMBERED,
+    SEVERAL,
+    familiar,
+    kind_of,
+    nearest_key,
+    section_of,
+)
 from tweezer.scene.scene import Scene
 from tweezer.scene.sections import ALTERNATIVES
 from tweezer.values.errors import SceneError
@@ -17,9 +25,10 @@ from tweezer.values.units import Quantity, quantity_of
 def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
     """Return `scene` with dotted keys set to text values, as given on a command line.
 
-    A key is `section.key`, `beam[2].key` for several beams, or `beam.motion.key`. Alternative words
-    such as lens.NA are accepted (`FAMILIAR`). A value is parsed as TOML if possible ("1e-4",
-    "[0, 0, 1e-6]") and is text otherwise ("80 mW"); "True" and "False" are accepted as in Python.
+    A key is `section.key`, `beam[2].key` for several beams or beads, or `beam.motion.key`.
+    Alternative words such as lens.NA are accepted (`FAMILIAR`). A value is parsed as TOML if
+    possible ("1e-4", "[0, 0, 1e-6]") and is text otherwise ("80 mW"); "True" and "False" are
+    accepted as in Python.
     Raises `SceneError` for an unknown key or invalid value.
     """
     sections: dict[str, Any] = {}
@@ -84,7 +93,7 @@ def settable() -> dict[str, tuple[str, ...]]:
     """
     found: dict[str, tuple[str, ...]] = {}
     for name, field in Scene.model_fields.items():
-        if (section := section_of(field.annotation)) and name != "more_beams":
+        if (section := section_of(field.annotation)) and name not in SEVERAL.values():
             found |= _settable(name, section)
     return found
 
@@ -123,8 +132,9 @@ def value_at(scene: Scene, key: str) -> Any:
     first, *parts = key.split(".")
     numbered = NUMBERED.fullmatch(first)
     within, value = kind_of(first), getattr(scene, kind_of(first))
-    if numbered and (number := int(first[5:-1])) != 1:
-        value = scene.beams[number - 1] if number <= len(scene.beams) else None
+    if numbered and (number := int(numbered[2])) != 1:
+        every = scene.every(within)
+        value = every[number - 1] if number <= len(every) else None
     for part in parts:
         # a diameter is stored as a radius, and a waist as a sigma: twice the stored value
         name = HALVES.get((within, part), part)

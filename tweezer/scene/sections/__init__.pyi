@@ -1,5 +1,6 @@
 from .alternatives import ALTERNATIVES, BELONGING, FILLED, NAMED, WITHIN_LAYERS, Filled
 from .bead import Bead
+from .between import Between, Tether
 from .detector import Detector, LockIn
 from .heat import Heat
 from .interference import Mirror
@@ -17,6 +18,7 @@ __all__ = [
     "WITHIN_LAYERS",
     "Bead",
     "Beam",
+    "Between",
     "Camera",
     "Cover",
     "Detector",
@@ -32,5 +34,6 @@ __all__ = [
     "Optics",
     "Simulation",
     "Start",
+    "Tether",
     "Wall",
 ]

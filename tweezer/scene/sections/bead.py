@@ -12,7 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from tweezer.scene.body import Body
 from tweezer.scene.choices import SHAPES, at, told
-from tweezer.scene.courses import refusal
+from tweezer.scene.courses import NAME, Vector, refusal
 from tweezer.scene.sections.alternatives import WITHIN_LAYERS, with_half
 from tweezer.scene.sections.given import Given
 from tweezer.scene.sections.shapes import (
@@ -49,6 +49,14 @@ class Bead(Round):
     index, and `layers` in place of radius and index.
     """
 
+    name: str | None = Field(
+        None, pattern=NAME, description="name of one of several beads. Default: its number"
+    )
+    start: Vector | None = Field(
+        None,
+        description="of several beads, the centre of this one at the start. Default: the focus of "
+        "the beam with the same number",
+    )
     shape: ShapeName = Field("sphere", description=f"shape of the bead; {told(SHAPES.values())}")
     length: PositiveLength | None = Field(
         None, description="length of a spheroid, cylinder or capsule along its axis"

@@ -10,6 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from tweezer.scene.choices import METHODS, MODELS, methods, told
 from tweezer.scene.courses import Section, Vector, Velocity, refusal
+from tweezer.scene.sections.between import Between
 from tweezer.values.rounding import most
 from tweezer.values.units import (
     Acceleration,
@@ -144,6 +145,9 @@ class Forces(Section):
         None,
         description="force between bead and wall (Derjaguin, Landau, Verwey, Overbeek). Default: "
         "none",
+    )
+    between: Between | None = Field(
+        None, description="force between the surfaces of each two beads. Default: none"
     )
 
 

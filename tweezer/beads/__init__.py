@@ -1,0 +1,1 @@
+"""Motion of several beads that the fluid, tethers and forces couple."""
