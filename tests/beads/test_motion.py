@@ -12,6 +12,7 @@ from tests.beads.springs import KT, UNIT, in_traps
 from tweezer.beads import many
 from tweezer.beads.motion import coupled, equilibrium, rates
 from tweezer.beads.system import system
+from tweezer.fluid.many import many_mobility
 from tweezer.fluid.pair import NAMES, exact
 from tweezer.values.errors import ResultError, SceneError
 
@@ -79,7 +80,7 @@ def test_three_beads_in_traps():
     """Equipartition of each coordinate, and e^(-M K t) kT/K between the outer ones."""
     L, k, copies = 2e-6, 3e-6, 6000
     radii, centres = (A, 0.6 * A, A), np.array([[0, 0, 0], [L, 0, 0], [2 * L, 0, 0]])
-    fluid = many.Fluid(np.array(radii), UNIT)
+    fluid = many.fluid_of(np.array(radii), UNIT, near=False)
     M = many.mobility(fluid, centres)
     step = 0.05 / (k * M[3, 3])
     rng = np.random.default_rng(3)
@@ -99,7 +100,7 @@ def test_three_beads_in_traps():
 
 def test_mobility_of_three_is_symmetric_and_becomes_that_of_pairs():
     """Far beads agree with the exact mobilities within the order (a/r)^4."""
-    fluid = many.Fluid(np.array([A, 0.5 * A, A]), UNIT)
+    fluid = many.fluid_of(np.array([A, 0.5 * A, A]), UNIT, near=False)
     place = np.array([[0, 0, 0], [10 * A, 0, 0], [0, 1e4 * A, 0]])
     M = many.mobility(fluid, place)
     np.testing.assert_array_equal(M, M.T)
@@ -107,6 +108,39 @@ def test_mobility_of_three_is_symmetric_and_becomes_that_of_pairs():
     of = dict(zip(NAMES, UNIT * exact(A, 0.5 * A, 8.5 * A)[0], strict=True))
     assert M[0, 3] == pytest.approx(of["x12"], rel=1e-3)
     assert M[1, 4] == pytest.approx(of["y12"], rel=1e-4)
+
+
+def test_lubrication_of_three_is_that_of_the_fluid():
+    """The compiled mobility is the translational part of `many_mobility`, at gaps of 0.02 to 4."""
+    radii = np.array([A, 0.5 * A, 0.8 * A])
+    place = np.array([[0, 0, 0], [1.52 * A, 0, 0], [0.5 * A, 2.5 * A, 0.6 * A]])
+    M = many.mobility(many.fluid_of(radii, UNIT, near=True), place)
+    expected = many_mobility(place, radii, 1e-3).matrix[:9, :9]
+    np.testing.assert_allclose(M, expected, rtol=0, atol=1e-9 * np.abs(M).max())
+
+
+def test_three_beads_pressed_together():
+    """Gaps of three beads on a line are Boltzmann's, the mean within 8 %."""
+    k, copies, L = 60 * KT / A**2, 300, 2.05 * A
+    radii, centres = (A, A, A), np.array([[0, 0, 0], [L, 0, 0], [2 * L, 0, 0]])
+    fluid = many.fluid_of(np.array(radii), UNIT, near=True)
+    acting = in_traps(radii, centres, [k] * 3)
+    step = 0.05 * A / (UNIT * k)
+    x = np.tile(centres * 1.05, (copies, 1, 1))
+    out = np.empty((copies, 60, 3, 3))
+    many.advance(acting, fluid, KT, 1, step, np.arange(copies), 0, 5, x, out)
+    rng = np.random.default_rng(5)
+    y = rng.normal(size=(400_000, 3, 3)) * math.sqrt(KT / k) + centres
+
+    def gaps(x):
+        return np.linalg.norm(np.diff(x, axis=-2), axis=-1) - 2 * A
+
+    allowed = gaps(y)[(gaps(y) > 0).all(axis=1)]
+    found = gaps(out[:, 20:])
+    error = found.mean(axis=(1, 2)).std() / math.sqrt(copies)
+    assert abs(found.mean() - allowed.mean()) < 5 * error + 0.02 * allowed.mean()
+    assert 5 * error < 0.08 * allowed.mean()
+    assert found.min() > 0
 
 
 def two_traps(**sections):

@@ -19,7 +19,7 @@ from tweezer.beads.forces import (
     add_forces,
     tensions,
 )
-from tweezer.beads.many import Fluid, mobility
+from tweezer.beads.many import FAR, Fluid, fluid_of, mobility
 from tweezer.beads.scalars import Scalars
 from tweezer.forces.chains import chain
 from tweezer.forces.data import packed
@@ -108,7 +108,11 @@ class System:
     def fluid(self) -> Fluid:
         """Radii and viscosity for the mobility of more than two beads."""
         radii = np.array([each.radius for each in self.scene.beads])
-        return Fluid(radii, self.scalars_unit)
+        gaps = [
+            np.linalg.norm(self.start[j] - self.start[i]) - radii[i] - radii[j]
+            for i, j in pairs(len(radii))
+        ]
+        return fluid_of(radii, self.scalars_unit, near=min(gaps) < FAR * radii.max())
 
     @property
     def scalars_unit(self) -> float:
