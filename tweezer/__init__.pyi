@@ -37,7 +37,7 @@ from .runs.simulation import simulate
 from .scene import Scene, load_scene, shipped_scenes
 from .scene.bead import BeadProperties, bead_properties
 from .sweeps.sweep import sweep
-from .tracking import DepthFit, FittedKey, SceneFit, fit, fit_depth
+from .tracking import ChainFit, DepthFit, FittedKey, SceneFit, fit, fit_chain, fit_depth
 from .trap import BodyTrap, LeastPower, Lifetime, Trap, characterise, trap_over_heights
 from .trap.least_power import least_power
 from .values.errors import (
@@ -56,6 +56,7 @@ __all__ = [
     "BeadProperties",
     "BodyTrap",
     "Calibration",
+    "ChainFit",
     "Comparison",
     "DepthFit",
     "Event",
@@ -100,6 +101,7 @@ __all__ = [
     "escape_times",
     "find_wall",
     "fit",
+    "fit_chain",
     "fit_depth",
     "flip",
     "least_power",

@@ -48,7 +48,7 @@ _WITHIN = np.array([0.15, 0.3, 0.5, 0.7, 0.85])
 #: Number of forces at which the extension of a twistable chain must rise
 _PLACES = 1000
 #: Units and ranges of the parameters of laws
-_PARAMETERS = {
+PARAMETERS = {
     "contour_length": ("m", 1e-12, 1.0),
     "persistence_length": ("m", 1e-12, 1.0),
     "temperature": ("K", *TEMPERATURE),
@@ -86,6 +86,8 @@ class Branch(NamedTuple):
     """forces f at its ends"""
     curve: Callable[[Array], Point]
     """the points at parameters, shape (n,)"""
+    at: Callable[[Array], Array] | None = None
+    """the parameters at forces f, shape (n,); None if they are implicit"""
 
     def at_extension(self, extension: Array) -> Point:
         """Return the points at extensions l within the branch, shape (n,)."""
@@ -95,6 +97,8 @@ class Branch(NamedTuple):
 
     def at_force(self, force: Array) -> Point:
         """Return the points at forces f within the branch, shape (n,)."""
+        if self.at is not None:
+            return self.curve(self.at(force))
         return self.curve(self._parameters(force, lambda at: (at.force, at.force_slope)))
 
     def _parameters(
@@ -279,8 +283,9 @@ def _worm_like(
         force, slope = law(straight)
         return Point(straight + compliance * force, 1 + compliance * slope, force, slope)
 
-    last = math.nextafter(1.0, 0.0) if compliance else TAUT
+    last = math.nextafter(1.0, 0.0)
     longest, _, strongest, _ = (float(each[0]) for each in curve(np.array([last])))
+    longest = longest if compliance else TAUT
     return (Branch((0.0, last), (0.0, longest), (0.0, strongest), curve),)
 
 
@@ -305,7 +310,7 @@ def _stiff(law: Callable[[Array], tuple[Array, Array]], low: float, high: float)
     first, last = math.sqrt(low), math.sqrt(high)
     shortest = float(curve(np.array([first])).extension[0])
     longest = float(curve(np.array([last])).extension[0]) if last < math.inf else math.inf
-    return Branch((first, last), (shortest, longest), (low, high), curve)
+    return Branch((first, last), (shortest, longest), (low, high), curve, np.sqrt)
 
 
 def odijk(compliance: float) -> tuple[Branch, ...]:
@@ -350,10 +355,9 @@ def jointed(compliance: float) -> tuple[Branch, ...]:
         rise = slope * longer + straight * compliance / 2
         return Point(straight * longer, rise, force, np.full_like(force, 0.5))
 
-    if compliance:
-        return (Branch((0.0, math.inf), (0.0, math.inf), (0.0, math.inf), curve),)
-    last = 1 / (1 - TAUT)
-    return (Branch((0.0, last), (0.0, TAUT), (0.0, last / 2), curve),)
+    longest = math.inf if compliance else TAUT
+    everywhere = (0.0, math.inf)
+    return (Branch(everywhere, (0.0, longest), everywhere, curve, lambda force: 2 * force),)
 
 
 def chain(
@@ -399,7 +403,7 @@ def chain(
         "persistence_length": persistence_length,
         "temperature": temperature,
     }
-    si = {name: in_si(name, value, *_PARAMETERS[name]) for name, value in given.items()}
+    si = {name: in_si(name, value, *PARAMETERS[name]) for name, value in given.items()}
     unit = Boltzmann * si["temperature"] / si["persistence_length"]
     compliance = unit / si.get("stretch_modulus", math.inf)
     coupling = _coupling(si, unit) if "twist_coupling" in law.needs else {}

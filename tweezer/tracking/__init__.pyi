@@ -1,12 +1,15 @@
+from .chain_fit import ChainFit, fit_chain
 from .depth import DepthFit, Minimum, Parameter, fit_depth
 from .inference import FittedKey, SceneFit, fit
 
 __all__ = [
+    "ChainFit",
     "DepthFit",
     "FittedKey",
     "Minimum",
     "Parameter",
     "SceneFit",
     "fit",
+    "fit_chain",
     "fit_depth",
 ]
