@@ -120,8 +120,8 @@ def test_lubrication_of_three_is_that_of_the_fluid():
 
 
 def test_three_beads_pressed_together():
-    """Gaps of three beads on a line are Boltzmann's, the mean within 8 %."""
-    k, copies, L = 60 * KT / A**2, 300, 2.05 * A
+    """Gaps of three beads on a line are Boltzmann's, the mean within 12 %."""
+    k, copies, L = 60 * KT / A**2, 160, 2.05 * A
     radii, centres = (A, A, A), np.array([[0, 0, 0], [L, 0, 0], [2 * L, 0, 0]])
     fluid = many.fluid_of(np.array(radii), UNIT, near=True)
     acting = in_traps(radii, centres, [k] * 3)
@@ -139,7 +139,7 @@ def test_three_beads_pressed_together():
     found = gaps(out[:, 20:])
     error = found.mean(axis=(1, 2)).std() / math.sqrt(copies)
     assert abs(found.mean() - allowed.mean()) < 5 * error + 0.02 * allowed.mean()
-    assert 5 * error < 0.08 * allowed.mean()
+    assert 5 * error < 0.12 * allowed.mean()
     assert found.min() > 0
 
 

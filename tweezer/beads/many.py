@@ -31,6 +31,8 @@ from tweezer.values.arrays import Array
 FAR = 8.0
 #: Displacement d of the random differences, and the smallest gap, over the largest radius
 _DIFFERENCE, _CLOSEST = 1e-5, 1e-5
+#: Largest number of times that all overlapping beads are moved apart
+_MOST_SWEEPS = 1000
 #: Powers of length in the mobilities: x and y, tr, rr
 _POWERS = np.array([1] * 6 + [2] * 4 + [3] * 6)
 
@@ -204,19 +206,27 @@ def _drift(fluid, kT, x, w, M, moved, out):  # type: ignore[no-untyped-def]
 
 @named_njit(error_model="numpy")
 def _separate(fluid, x):  # type: ignore[no-untyped-def]
-    """Move beads that overlap apart along their line, by twice the depth; x (beads, 3) m."""
-    for a in range(x.shape[0]):
-        for b in range(a):
-            r = 0.0
-            for j in range(3):
-                r += (x[a, j] - x[b, j]) ** 2
-            r = math.sqrt(r)
-            deep = fluid.radius[a] + fluid.radius[b] - r
-            if deep > 0.0:
+    """Move beads that overlap apart along their line, by twice the depth; x (beads, 3) m.
+
+    This is repeated while it makes others overlap.
+    """
+    for _ in range(_MOST_SWEEPS):
+        moved = False
+        for a in range(x.shape[0]):
+            for b in range(a):
+                r = 0.0
                 for j in range(3):
-                    away = deep * (x[a, j] - x[b, j]) / r
-                    x[a, j] += away
-                    x[b, j] -= away
+                    r += (x[a, j] - x[b, j]) ** 2
+                r = math.sqrt(r)
+                deep = fluid.radius[a] + fluid.radius[b] - r
+                if deep > 0.0:
+                    moved = True
+                    for j in range(3):
+                        away = deep * (x[a, j] - x[b, j]) / r
+                        x[a, j] += away
+                        x[b, j] -= away
+        if not moved:
+            return
 
 
 @cached_njit(error_model="numpy", nogil=True)
