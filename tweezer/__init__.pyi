@@ -1,3 +1,4 @@
+from .beads.correlations import cross_correlation, cross_spectrum
 from .calibration import Calibration, Surface, calibrate, find_wall, potential
 from .comparison import Comparison, compare
 from .dynamics import Event, bind, capture, chosen, flip
@@ -96,6 +97,8 @@ __all__ = [
     "characterise",
     "chosen",
     "compare",
+    "cross_correlation",
+    "cross_spectrum",
     "detect",
     "ensemble",
     "escape_times",
