@@ -57,7 +57,9 @@ COMMANDS = {
     "commands-runs.md": (
         "Commands for runs and traps", "new scenes run view trap detect optimise tune"
     ),
-    "commands-series.md": ("Commands for ensembles and sweeps", "ensemble sweep rotation compare"),
+    "commands-series.md": (
+        "Commands for ensembles and sweeps", "ensemble sweep rotation stretch compare"
+    ),
     "commands-recordings.md": (
         "Commands for recordings", "examples calibrate rheology fit fit-depth"
     ),

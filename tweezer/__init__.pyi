@@ -38,7 +38,17 @@ from .runs.simulation import simulate
 from .scene import Scene, load_scene, shipped_scenes
 from .scene.bead import BeadProperties, bead_properties
 from .sweeps.sweep import sweep
-from .tracking import ChainFit, DepthFit, FittedKey, SceneFit, fit, fit_chain, fit_depth
+from .tracking import (
+    ChainFit,
+    DepthFit,
+    FittedKey,
+    SceneFit,
+    Stretched,
+    fit,
+    fit_chain,
+    fit_depth,
+    stretch,
+)
 from .trap import BodyTrap, LeastPower, Lifetime, Trap, characterise, trap_over_heights
 from .trap.least_power import least_power
 from .values.errors import (
@@ -78,6 +88,7 @@ __all__ = [
     "SceneError",
     "SceneFit",
     "SceneLight",
+    "Stretched",
     "Summary",
     "Surface",
     "TMatrix",
@@ -133,6 +144,7 @@ __all__ = [
     "scene_of",
     "shipped_scenes",
     "simulate",
+    "stretch",
     "summarise",
     "sweep",
     "t_matrix",

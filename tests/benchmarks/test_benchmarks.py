@@ -684,12 +684,12 @@ def test_a_command_that_fails_is_not_timed(tmp_path):
 
 
 def test_every_command_is_timed():
-    """Exceptions are the benchmarks, `examples`, which copies a file, and `detect`, `optimise` and
-    `rheology`, which are newer than the committed measurement.
+    """Exceptions are the benchmarks, `examples`, which copies a file, and `detect`, `optimise`,
+    `rheology` and `stretch`, which are newer than the committed measurement.
     """
     timed = {each.arguments[0] for each in commands.COMMANDS}
     every = set(typer.main.get_command(cli.app).commands)
-    assert every - timed == {"bench", "examples", "detect", "optimise", "rheology"}
+    assert every - timed == {"bench", "examples", "detect", "optimise", "rheology", "stretch"}
 
 
 def test_durations():

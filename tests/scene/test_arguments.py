@@ -40,6 +40,7 @@ NAMED = {
     "ensemble": lambda scene: tweezer.ensemble(scene, 0),
     "least_power": lambda scene: tweezer.least_power(scene, "-1 s"),
     "optimise": lambda scene: tweezer.optimise(scene, "k"),
+    "stretch": tweezer.stretch,
     "sweep": lambda scene: tweezer.sweep(scene, {"bead.colour": [1]}),
     "trap_over_heights": lambda scene: tweezer.trap_over_heights(scene, [-1.0]),
     "tune": lambda scene: tweezer.tune(scene, [-1.0]),

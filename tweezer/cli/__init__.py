@@ -46,6 +46,7 @@ for _group in (
     "rheology",
     "fit",
     "depth",
+    "stretch",
     "thesis",
     "prepare",
     "info",
