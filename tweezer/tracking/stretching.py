@@ -4,8 +4,9 @@ One trap holds a bead, and the other one pulls the second bead away. The molecul
 stretches. Its tension is the force of the light on the bead that is held, along the line between
 the beads. Its extension is the distance of the surfaces. Both are averaged over windows of time.
 
-The beads fluctuate. The mean of a curved law F(x) exceeds F(<x>) by F'' <dx^2>/2, which is
-subtracted. F'' is the curvature of the law that fits the means.
+The extension changes within a window, by the ramp and by fluctuations. The mean of a curved law
+F(x) exceeds F(<x>) by F'' <dx^2>/2, which is subtracted. F'' is the curvature of the law that fits
+the means.
 """
 
 from __future__ import annotations
@@ -104,7 +105,7 @@ def stretch(scene: SceneLike, seed: int = 0, windows: int = WINDOWS) -> Stretche
             f"{scene.name}: the molecule has tension in only {taut.sum()} of {windows} windows; "
             "move the beam farther"
         )
-    x, x_error, f, f_error, width, correlation = means[taut].T
+    x, x_error, f, f_error, width, spread, correlation = means[taut].T
     given = {
         "model": tether.model, "temperature": scene.medium.temperature,
         "extension_error": x_error, "force_error": f_error, "correlation": correlation,
@@ -113,7 +114,7 @@ def stretch(scene: SceneLike, seed: int = 0, windows: int = WINDOWS) -> Stretche
     corrected = f
     fit = fit_chain(x, f, **given)
     for _ in range(_ROUNDS):
-        corrected = f - 0.5 * _curvature(fit, tether, scene, x, width) * width**2
+        corrected = f - 0.5 * _curvature(fit, tether, scene, x, spread) * spread**2
         fit = fit_chain(x, corrected, **given)
     return Stretched(x, x_error, corrected, f_error, width, fit, run)
 
@@ -142,10 +143,11 @@ def _tension(scene: Scene, run: Run) -> Array:
     return force
 
 
-def _window(x: Array, f: Array) -> tuple[float, float, float, float, float, float]:
-    """Return mean and error of extension and force, the width, and the correlation of the errors.
+def _window(x: Array, f: Array) -> tuple[float, ...]:
+    """Return mean and error of extension and force, two widths, and the correlation of the errors.
 
-    The course of the ramp, a straight line, is removed before the fluctuations are taken.
+    The first width is the standard deviation about a straight line, the course of the ramp, and the
+    second one about the mean.
     """
     both = np.stack([x, f])
     t = np.linspace(-1, 1, len(x))
@@ -163,14 +165,14 @@ def _window(x: Array, f: Array) -> tuple[float, float, float, float, float, floa
     mean = both.mean(axis=1)
     return (
         float(mean[0]), float(errors[0]), float(mean[1]), float(errors[1]),
-        float(np.sqrt(covariance[0, 0])), min(max(correlation, -0.999), 0.999),
+        float(np.sqrt(covariance[0, 0])), float(x.std()), min(max(correlation, -0.999), 0.999),
     )  # fmt: skip
 
 
-def _curvature(fit: ChainFit, tether: Tether, scene: Scene, x: Array, width: Array) -> Array:
+def _curvature(fit: ChainFit, tether: Tether, scene: Scene, x: Array, spread: Array) -> Array:
     """Return the second derivative of the fitted law at extensions (n,), m, N/m^2.
 
-    It is taken over the width of the fluctuations, which the law may not allow at its end.
+    It is taken over the spread of the extension, which the law may not allow at its end.
     """
     law: Chain = chain(
         tether.model, contour_length=fit.contour_length,
@@ -178,7 +180,9 @@ def _curvature(fit: ChainFit, tether: Tether, scene: Scene, x: Array, width: Arr
         stretch_modulus=tether.stretch_modulus,
     )  # fmt: skip
     last = law.extensions[1]
-    step = np.minimum(width, 0.5 * (last - x))
-    forces = [law.force(np.maximum(x + sign * step, 1e-6 * last))[0] for sign in (-1, 0, 1)]
+    step = np.minimum(spread, 0.5 * (last - x))
+    forces = [
+        law.force(np.maximum(x + sign * step, 1e-6 * fit.contour_length))[0] for sign in (-1, 0, 1)
+    ]
     found: Array = np.nan_to_num((forces[0] - 2 * forces[1] + forces[2]) / step**2)
     return found
