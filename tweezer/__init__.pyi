@@ -24,6 +24,7 @@ from .optics.bodies.files import load_t_matrix
 from .optics.bodies.shapes import t_matrix
 from .optics.bodies.t_matrix import TMatrix
 from .optics.detected import detect
+from .optics.mutual_scattering import optical_binding
 from .optics.of_scene import light
 from .optics.optimised import Optimum, optimise
 from .optics.recoil import recoil
@@ -127,6 +128,7 @@ __all__ = [
     "load_t_matrix",
     "load_track",
     "medium",
+    "optical_binding",
     "optical_force",
     "optical_force_error",
     "optical_jacobian",

@@ -18,6 +18,7 @@ from tweezer.beads.plane import Plane, plane_of
 from tweezer.beads.system import System, system
 from tweezer.dynamics.timing import timed
 from tweezer.optics import evaluators_of, worth_attributes
+from tweezer.optics.mutual_scattering import largest_scattered
 from tweezer.results.run import Run, Variable, variable
 from tweezer.scene import Scene
 from tweezer.scene.several import pairs
@@ -204,6 +205,7 @@ def run_of(scene: Scene, seed: int | None, progress: Callable[[float], None] | N
         **about,
         **seconds,
         "model_error": inertia_error(bound, x),
+        "optical_binding": largest_scattered(resolved, x[0]),
         **versions(),
         **made_by("simulate", dated=True),
     }
