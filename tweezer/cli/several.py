@@ -14,7 +14,9 @@ from tweezer.cli.console import (
     complain,
     showing_progress,
     tell_written,
+    writable_figure,
     writable_result,
+    write_figure,
 )
 from tweezer.cli.tables import print_shown
 from tweezer.results.run import Run
@@ -37,13 +39,14 @@ def run_of_several(
     """Simulate several beads, print a summary and write the run; see the command `run`."""
     from tweezer.results.io import unlike, write_run
 
-    for name, given in (("plot", plot), ("continue-from", continue_from), ("force", force)):
+    for name, given in (("continue-from", continue_from), ("force", force)):
         if given:
             raise SceneError(f"--{name}: requires a single bead; omit it")
     out = writable_result(
         out or Path(f"{scene.name}.nc"), ("nc",), overwrite=overwrite,
         obstacle=lambda there: unlike(there, scene, seed or 0, "", ""),
     )  # fmt: skip
+    plot = writable_figure(plot, overwrite=overwrite)
     from tweezer.beads.motion import run_of
 
     with showing_progress(scene.name) as progress:
@@ -52,6 +55,11 @@ def run_of_several(
     status, message = result.attributes["status"], result.attributes["message"]
     write_run(result, out)
     tell_written(out)
+    if plot:
+        from tweezer.plots import beads_figure
+
+        write_figure(beads_figure(result.dataset()), plot)
+        tell_written(plot)
     if status in ("failed", "interrupted"):
         complain(f"{scene.name}: {message}; the trajectory so far was saved to {out}")
         raise typer.Exit(FAILED if status == "failed" else INTERRUPTED)

@@ -1,3 +1,4 @@
+from .beads import beads_figure
 from .body import body_trap_figure
 from .calibration import calibration_figure, draw_calibration
 from .depth import depth_figure
@@ -13,6 +14,7 @@ from .trap import trap_figure
 from .tuning import tuning_figure
 
 __all__ = [
+    "beads_figure",
     "body_trap_figure",
     "calibration_figure",
     "depth_figure",
