@@ -47,10 +47,7 @@ def run_of_several(
         obstacle=lambda there: unlike(there, scene, seed or 0, "", ""),
     )  # fmt: skip
     plot = writable_figure(plot, overwrite=overwrite)
-    from tweezer.beads.motion import run_of
-
-    with showing_progress(scene.name) as progress:
-        result = run_of(scene, seed, lambda time: progress(time / scene.simulation.duration))
+    result = followed(scene, seed)
     print_shown(scene.title, list(_rows(scene, result)))
     status, message = result.attributes["status"], result.attributes["message"]
     write_run(result, out)
@@ -63,6 +60,14 @@ def run_of_several(
     if status in ("failed", "interrupted"):
         complain(f"{scene.name}: {message}; the trajectory so far was saved to {out}")
         raise typer.Exit(FAILED if status == "failed" else INTERRUPTED)
+
+
+def followed(scene: Scene, seed: int | None) -> Run:
+    """Return the run of several beads, with a progress bar."""
+    from tweezer.beads.motion import run_of
+
+    with showing_progress(scene.name) as progress:
+        return run_of(scene, seed, lambda time: progress(time / scene.simulation.duration))
 
 
 def _rows(scene: Scene, run: Run) -> Iterator[Row]:

@@ -34,6 +34,8 @@ from tweezer.values.errors import ResultError, SceneError
 from tweezer.values.saved import RESULTS, SAVED_TRAP
 
 if TYPE_CHECKING:
+    from tweezer.results.run import Run
+    from tweezer.scene import Scene
     from tweezer.viewing import Page
 
 #: Default duration of a film, s
@@ -131,6 +133,10 @@ def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
             f"bead.shape = {scene.bead.shape!r}: its trap has no interactive page; use "
             "`tweezer trap --plot`"
         )
+    if scene.more_beads and not trap:
+        from tweezer.cli.several import followed
+
+        return _shown(scene, followed(scene, None))
     bind_light(scene)
     if trap:
         from tweezer.trap import Trap, characterise
@@ -145,7 +151,11 @@ def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
     with compiling_beside(scene):
         result, find_errors = followed_with_progress(scene, None)
         find_errors()
+    return _shown(scene, result)
 
+
+def _shown(scene: Scene, result: Run) -> tuple[Page, int]:
+    """Return the page of the run of a scene, and the exit code, which reports an incomplete run."""
     from tweezer.viewing import view as page_of
 
     status, message = (result.attributes[name] for name in ("status", "message"))

@@ -76,7 +76,7 @@ KINDS = (
     Kind("ensemble", "an ensemble", ("scene", "trajectory", "position"), "ensemble", True),
     Kind("heights", "a trap over heights", ("scene", "height", "equilibrium")),
     Kind("rotation", "the rotation of a body", ("scene", "order_tensor", "lag")),
-    Kind("beads", "a run of several beads", ("scene", "status", "bead")),
+    Kind("beads", "a run of several beads", ("scene", "status", "bead"), "beads"),
     Kind("run", "a run", ("scene", "status", "time"), "run", True),
     Kind("trap", "a trap", ("scene", "trap"), "trap", True,
          of="tweezer.trap.trap:Trap", reader="tweezer.trap.saved_trap"),

@@ -25,8 +25,8 @@ def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
     Parameters
     ----------
     of : Dataset, Trap, Scene, str or Path
-        A run, an ensemble, a sweep or a trap, or its file (.nc, .zarr, .json of `tweezer trap
-        --out`). A scene, or its name or file, is simulated first.
+        A run of one or several beads, an ensemble, a sweep or a trap, or its file (.nc, .zarr,
+        .json of `tweezer trap --out`). A scene, or its name or file, is simulated first.
 
     Returns
     -------

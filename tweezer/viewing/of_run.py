@@ -55,7 +55,7 @@ def content(dataset: xr.Dataset) -> Content:
     arrays = {name: float32(run[name], unit) for name, unit in _AS_THEY_ARE.items() if name in run}
     arrays |= {f"force_{name}": float32(values, "N") for name, values in forces.items()}
     arrays |= {f"energy_{name}": float32(values, "kT") for name, values in energies.items()}
-    arrays |= _moving_light(problem, run["time"])
+    arrays |= moving_light(scene, run["time"])
     status, message = run.attributes["status"], run.attributes["message"]
     summary = summary_of(run)
     return Content(
@@ -76,20 +76,20 @@ def content(dataset: xr.Dataset) -> Content:
             *_of_the_path(run, scene, close=close), *about_forces,
             *about_energies, *of_the_picture(scene), *_origin(run, scene),
         ],
-        warning=f"This run {_ENDED[status]}: {message}." if status in _ENDED else "",
+        warning=f"This run {ENDED[status]}: {message}." if status in ENDED else "",
     )  # fmt: skip
 
 
 #: Words for the states of a run that ended before its duration, by the attribute `status`
-_ENDED = {"interrupted": "was stopped early", "failed": "failed"}
+ENDED = {"interrupted": "was stopped early", "failed": "failed"}
 
 
-def _moving_light(problem: Problem, times: Array) -> dict[str, Packed]:
+def moving_light(scene: Scene, times: Array) -> dict[str, Packed]:
     """Return foci, (times, beams, 3) m, and factors of power, (times, beams), for the page.
 
     The dictionary is empty if light and power do not change with time.
     """
-    cones = drawn_cones(problem.scene)
+    cones = drawn_cones(scene)
     if all(each.place.steady and each.strength.steady for each in cones):
         return {}
     foci = [[each.at(time) for each in cones] for time in times]
@@ -296,7 +296,7 @@ def _origin(run: Run, scene: Scene) -> list[str]:
 def _rows(run: Run, problem: Problem, summary: Summary) -> list[Row]:
     """Return the lines of the summary of a run: outcome, errors, models and settings."""
     attributes, scene = run.attributes, problem.scene
-    thermal, ended = scene.forces.brownian, attributes["status"] not in _ENDED
+    thermal, ended = scene.forces.brownian, attributes["status"] not in ENDED
     seen = thermal or not summary.by_samples
     rows = [
         _row("outcome", f"{summary.outcome}{summary.untold}", trusted=ended and seen),

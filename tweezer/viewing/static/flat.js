@@ -189,6 +189,12 @@ export class Flat {
     };
   }
 
+  tether(colour) {
+    let where = [];
+    const group = this.add((pen) => this.line(pen, where, colour, 2.5));
+    return { group, ends: () => where, set: (from, to) => { where = [from, to]; } };
+  }
+
   arrow(colour) {
     let from = [0, 0, 0], vector = [0, 0, 0];
     const group = this.add((pen) => {

@@ -626,6 +626,30 @@ export class Stage {
     };
   }
 
+  // A rod in a colour of the style sheet.
+  tether(colour) {
+    const uniforms = { colour: { value: new Color() } };
+    this.onTheme(() => { uniforms.colour.value = this.colour(colour); });
+    const thick = 0.008 * this.reach, up = new Vector3(0, 1, 0);
+    const rod = new Mesh(new CylinderGeometry(thick, thick, 1, 12).translate(0, 0.5, 0),
+      new ShaderMaterial({ uniforms, vertexShader: SOLID_VERTEX, fragmentShader: SOLID }));
+    rod.renderOrder = 2;
+    this.scene.add(rod);
+    let where = [];
+    return {
+      group: rod,
+      ends: () => where,
+      // From one end to the other, um.
+      set: (from, to) => {
+        where = [from, to];
+        const way = new Vector3(...to).sub(new Vector3(...from)), length = way.length();
+        rod.position.set(...from);
+        rod.scale.y = Math.max(length, 1e-6);
+        if (length > 0) rod.quaternion.setFromUnitVectors(up, way.divideScalar(length));
+      },
+    };
+  }
+
   // An arrow in a colour of the style sheet.
   arrow(colour) {
     const uniforms = { colour: { value: new Color() } };
