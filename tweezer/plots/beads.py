@@ -26,8 +26,8 @@ _MOST = 6
 def beads_figure(run: xr.Dataset) -> Figure:
     """Draw the displacements of several beads, their distances and the forces between them.
 
-    Displacements are along the axis on which the first two beads are farthest apart. The panel of
-    the forces is left out if there are none.
+    Displacements are along the axis on which the first two beads are farthest apart. Without forces
+    between the beads their panel is left out.
 
     Parameters
     ----------
