@@ -263,3 +263,56 @@ def test_step_follows_the_forces():
     scene = two_traps()
     found = coupled(scene, 0)
     assert found.step * rates(found.system, found.start)[-1] <= 0.05 * (1 + 1e-9)
+
+
+def test_step_resolves_the_stiffness_that_beads_meet_later():
+    """A soft layer far from the start: the mean gap is Boltzmann's within 10 %."""
+    spring = {"model": "spring", "between": ["1", "2"], "stiffness": 2e-5}
+    scene = beads(
+        (0, 0, 0), (2 * A + 100e-9, 0, 0), tether=[spring],
+        forces={"brownian": True, "between": {"kind": "hertz", "modulus": "0.1 MPa",
+                                              "range": "20 nm"}},
+        simulation={"duration": "0.2 s", "samples": 4001},
+    )  # fmt: skip
+    run = tweezer.simulate(scene, seed=1)
+    kT = 1.380649e-23 * scene.medium.temperature
+    g = np.linspace(1e-12, 200e-9, 40_001)
+    layer = 8 / 15 * 1e5 * math.sqrt(A / 2) * np.maximum(20e-9 - g, 0) ** 2.5
+    weight = (2 * A + g) ** 2 * np.exp(-(0.5e-5 * 2 * g**2 + layer) / kT)
+    expected = (g * weight).sum() / weight.sum()
+    gaps = run.gap.values[200:, 0]
+    parts = gaps[: 19 * 200].reshape(19, 200).mean(axis=1)
+    error = parts.std() / math.sqrt(19)
+    assert abs(gaps.mean() - expected) < 5 * error + 0.01 * expected
+    assert 5 * error < 0.1 * expected
+    assert -1e-3 < run.attrs["variance_bias"] < 0
+
+
+def test_equilibrium_in_which_beads_overlap_is_refused():
+    scene = two_traps(beam=[ONE["beam"] | {"position": [x, 0, 0]} for x in (-0.3e-6, 0.3e-6)])
+    scene = scene.replace(**{"bead[1]": {"start": [-0.6e-6, 0, 0]},
+                             "bead[2]": {"start": [0.6e-6, 0, 0]}})  # fmt: skip
+    with pytest.raises(SceneError, match="no stable equilibrium of the beads near their starts"):
+        tweezer.simulate(scene)
+
+
+@pytest.mark.parametrize("brownian", [True, False])
+def test_chain_that_is_too_short_is_refused(brownian):
+    tether = {"model": "marko-siggia", "between": ["1", "2"], "contour_length": "1 um",
+              "persistence_length": "50 nm"}  # fmt: skip
+    scene = beads((0, 0, 0), (3e-6, 0, 0), tether=[tether], forces={"brownian": brownian})
+    with pytest.raises(SceneError, match=r"tether\[1\].contour_length = 1e-06: a chain is longer"):
+        tweezer.simulate(scene)
+
+
+def test_force_calls_are_limited():
+    scene = two_traps(simulation={"most_force_calls": 100})
+    with pytest.raises(SceneError, match=r"simulation\.most_force_calls = 100: the run takes"):
+        tweezer.simulate(scene)
+
+
+def test_error_of_free_beads_is_not_known():
+    spring = {"model": "spring", "between": ["1", "2"], "stiffness": 1e-6, "length": 5e-7}
+    run = tweezer.simulate(beads((0, 0, 0), (1.5e-6, 0, 0), tether=[spring],
+                                 forces={"brownian": True}))  # fmt: skip
+    assert run.attrs["model_error"] < 1e-7

@@ -62,6 +62,14 @@ def test_card_lists_beads_and_tethers():
         ({"bead[3]": {"diameter": "2 um"}}, r"bead\[3\]: the scene has 2 beads"),
         ({"bead[2]": {"diameter": "3 kg"}}, r"bead\[2\].diameter = '3 kg'"),
         ({"bead[2]": {"shape": "spheroid", "length": "2 um"}}, r"bead\[2\].shape = 'spheroid'"),
+        (
+            {"tether": [SPRING | {"between": ["1"], "point": [-1.2e-6, 0, 0]}]},
+            r"tether\[1\].point = .* is inside its bead",
+        ),
+        ({"tether": [SPRING | {"stiffness": "1 kg"}]}, r"tether\[1\].stiffness = '1 kg'"),
+        ({"bead[2]": {"diameter": "40 nm"}}, r"bead\[2\].radius = 2e-08: too different"),
+        ({"start": {"position": [1e-6, 0, 0]}}, r"start.position = .*set bead\[1\].start instead"),
+        ({"start": {"frame": "lens"}}, "start.frame = 'lens': requires a single bead"),
         ({"wall": {"position": "-5 um"}}, "wall: requires a single bead"),
         ({"medium": {"inertia": "memory"}}, "medium.inertia = 'memory': applies to a single bead"),
         ({"simulation": {"model": "full"}}, "simulation.model = 'full'"),
@@ -122,3 +130,20 @@ def test_tether_and_force_between_are_refused_for_one():
 def test_functions_of_a_single_bead_refuse_several(call):
     with pytest.raises(SceneError, match="the scene has 2 beads, and this requires one"):
         call(SCENE)
+
+
+def test_material_of_every_bead_needs_one_wavelength():
+    data = SCENE.model_dump(exclude_none=True)
+    beam = ONE["beam"]
+    data["beam"] = [beam, beam | {"wavelength": "850 nm"}]
+    made = {"diameter": 1e-6, "material": "polystyrene", "start": [1e-6, 0, 0]}
+    data["bead"] = [data["bead"], made]
+    del data["more_beads"]
+    with pytest.raises(SceneError, match=r"bead\[2\].material = 'polystyrene'"):
+        tweezer.load_scene(data)
+
+
+def test_unknown_material_of_the_second_bead_is_the_only_error():
+    with pytest.raises(SceneError) as refused:
+        SCENE.replace(**{"bead[2]": {"material": "silca", "density": None}})
+    assert "density: missing" not in str(refused.value)

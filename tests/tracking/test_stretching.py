@@ -64,6 +64,10 @@ def test_lengths_of_a_molecule_are_found():
             {"tether": [{"model": "spring", "between": ["1", "2"], "stiffness": 1e-6}]},
             "tether: stretching requires one chain",
         ),
+        (
+            {"forces": {"brownian": True, "between": {"kind": "spring", "stiffness": 1e-6}}},
+            "forces.between: acts beside the molecule",
+        ),
         ({"beam": [ONE["beam"], ONE["beam"] | {"position": [1.6e-6, 0, 0]}]}, "a beam that moves"),
         ({"forces": {"brownian": False}, "start": {"drawn": "no"}}, "forces.brownian = False"),
     ],

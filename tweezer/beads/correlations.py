@@ -189,7 +189,7 @@ def _record(run: xr.Dataset | Array, interval: QuantityLike | None) -> tuple[Arr
         if interval is None:
             raise ResultError("interval: missing; an array does not contain its times")
         x = run[..., None] if run.ndim == 2 else run
-        step = in_si("interval", interval, "s", 0.0, error=ResultError)
+        step = in_si("interval", interval, "s", 1e-15, error=ResultError)
         if x.ndim != 3 or x.shape[1] < 2 or x.shape[2] not in _AXES:
             raise ResultError(
                 f"run: has the shape {x.shape}; must be (time, bead) or (time, bead, 3)"
@@ -200,6 +200,8 @@ def _record(run: xr.Dataset | Array, interval: QuantityLike | None) -> tuple[Arr
         scene = scene_of(run)
         if not scene.forces.brownian:
             raise ResultError("run: must have thermal motion")
+        if scene.last_change > 0 or scene.light_moves:
+            raise ResultError("run: must have light that is constant in time")
         x = run["position"].values
         step = float(run["time"][1] - run["time"][0]) if run.sizes["time"] > 1 else 0.0
     if len(x) < 10 * _BLOCKS or not np.isfinite(x).all():

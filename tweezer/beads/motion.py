@@ -32,8 +32,14 @@ _PART = 0.05
 _BIAS = -0.26
 #: Number of places on the path at which the forces are compared
 _PLACES = 33
+#: Largest distance of an equilibrium from the start, in radii
+_NEAR = 5.0
+#: Energy over kT up to which gaps are reached, number of gaps, and smallest one over the radii
+_REACHED, _GAPS, _CLOSEST = 10.0, 400, 1e-5
 #: Largest number of steps from sample to sample
 _MOST_STEPS = 10**8
+#: Stiffness below which beads are free, over the largest one
+_FLAT = 1e-6
 #: Number of samples that are computed at once
 _AT_ONCE = 256
 #: Factor of the tolerances in the second integration, which gives the error
@@ -52,6 +58,8 @@ class Coupled:
     """number of steps from sample to sample"""
     why: str
     """reason for the step"""
+    fastest: float
+    """largest relaxation rate that limits the step, 1/s"""
     start: Array
     """(beads, 3) m"""
 
@@ -97,6 +105,11 @@ class Coupled:
                 f"{self.system.scene.name}: a position is not finite; the step is too long, or a "
                 "tether is longer than its law allows; set a smaller simulation.step"
             )
+        if self.system.gaps(out).min() <= 0:
+            raise IntegrationError(
+                f"{self.system.scene.name}: two beads overlap, which began far from each other; "
+                "start them within 8 radii of a gap"
+            )
 
 
 def rates(system: System, positions: Array, time: float = 0.0) -> Array:
@@ -108,9 +121,10 @@ def rates(system: System, positions: Array, time: float = 0.0) -> Array:
 def equilibrium(system: System) -> Array:
     """Return positions near the start at which all forces vanish, (beads, 3) m.
 
-    Raises `SceneError` if there are none, or if they are not stable.
+    Raises `SceneError` if no stable equilibrium without overlap is found there.
     """
     start = system.start
+    check_forces(system)
     size = min(each.radius for each in system.scene.beads)
 
     def residual(x: Array) -> Array:
@@ -119,21 +133,40 @@ def equilibrium(system: System) -> Array:
     scale = float(np.abs(system.stiffness(start)).max()) * size or 1.0
     found = root(residual, start.ravel() / size, tol=1e-10)
     place = found.x.reshape(start.shape) * size
-    if not found.success or rates(system, place)[0] <= 0:
+    apart = np.linalg.norm(place - start, axis=1).max()
+    held = found.success and apart < _NEAR * size and system.gaps(place).min() > 0
+    if not held or rates(system, place)[0] <= 0:
         raise SceneError(
-            "start.drawn = 'equilibrium': no stable equilibrium of the beads near their starts; "
-            "set start.drawn to no"
+            f"{system.scene.name}: no stable equilibrium of the beads near their starts; change "
+            "bead[1].start, or set start.drawn to no"
         )
     return place
+
+
+def check_forces(system: System) -> None:
+    """Raise `SceneError` if a force at the start is not finite, as of a chain that is too short."""
+    if np.isfinite(system.forces(system.start[None])).all():
+        return
+    for i, tether in enumerate(system.scene.tether, start=1):
+        if tether.contour_length is not None:
+            raise SceneError(
+                f"tether[{i}].contour_length = {tether.contour_length:g}: a chain is longer at the "
+                "start than its law allows; start the beads closer to each other"
+            )
+    raise SceneError(f"{system.scene.name}: a force at the start is not finite")
 
 
 def coupled(scene: Scene, seed: int) -> Coupled:
     """Return the thermal motion of the beads of a scene, bound."""
     bound = system(scene)
+    check_forces(bound)
     simulation = scene.simulation
     start = equilibrium(bound) if scene.start.drawn == "equilibrium" else bound.start
     course = _course(bound, start)
-    fastest = max(_diffusion(bound), *(float(rates(bound, x, t)[-1]) for t, x in course))
+    fastest = max(
+        _diffusion(bound), *(float(rates(bound, x, t)[-1]) for t, x in course),
+        *_rates_of_pairs(bound, np.array([x for _, x in course])),
+    )  # fmt: skip
     longest, why = _PART / fastest, f"{_PART:g} of the shortest relaxation time"
     if simulation.step is not None:
         longest, why = min((longest, why), (simulation.step, "simulation.step"))
@@ -145,12 +178,19 @@ def coupled(scene: Scene, seed: int) -> Coupled:
             f"sample to sample; allowed: {_MOST_STEPS:g}; use more samples or a shorter duration"
         )
     step = interval / per_sample
-    return Coupled(bound, seed, step, per_sample, f"steps of {step:.3g} s: {why}", start)
+    calls = 2 * per_sample * (simulation.samples - 1)
+    if calls > simulation.most_force_calls:
+        raise SceneError(
+            f"simulation.most_force_calls = {simulation.most_force_calls}: the run takes {calls} "
+            "force calls; set it to at least this number, or set a shorter duration"
+        )
+    why = f"steps of {step:.3g} s: {why}"
+    return Coupled(bound, seed, step, per_sample, why, fastest, start)
 
 
 def _course(bound: System, start: Array) -> list[tuple[float, Array]]:
     """Return times, s, and positions (beads, 3), m, on the path of the beads without noise."""
-    if bound.steady:
+    if bound.steady and not len(bound.acting.laws):
         return [(0.0, start)]
     times = np.linspace(0.0, bound.scene.simulation.duration, _PLACES)
     found = solve_ivp(
@@ -163,6 +203,39 @@ def _course(bound: System, start: Array) -> list[tuple[float, Array]]:
             "longer than its law allows"
         )
     return [(float(t), y.reshape(start.shape)) for t, y in zip(found.t, found.y.T, strict=True)]
+
+
+def _rates_of_pairs(bound: System, course: Array) -> list[float]:
+    """Return the largest relaxation rate of each pair at gaps that thermal motion may reach, 1/s.
+
+    These gaps begin on the course of the beads, (n, beads, 3) m, and end where the energy of the
+    forces between the two beads has increased by `_REACHED` kT.
+    """
+    found: list[float] = []
+    here = bound.gaps(course)
+    if not len(bound.acting.laws):
+        return found
+    for k, (i, j) in enumerate(pairs(len(bound.beads))):
+        a, b = bound.acting.radius[i], bound.acting.radius[j]
+        low, high = here[:, k].min(), here[:, k].max()
+        gaps = np.unique(np.concatenate([
+            np.geomspace(_CLOSEST * (a + b), 2 * high + a + b, _GAPS), [low, high],
+        ]))  # fmt: skip
+        x = np.tile(course[0], (len(gaps), 1, 1))
+        x[:, j] = x[:, i] + [[a + b, 0, 0]] + gaps[:, None] * [1, 0, 0]
+        pull = bound.tension(x)[:, k]
+        known = np.isfinite(pull)
+        gaps, pull = gaps[known], pull[known]
+        energy = np.concatenate([[0.0], np.cumsum(0.5 * (pull[1:] + pull[:-1]) * np.diff(gaps))])
+        most = energy[(gaps >= low) & (gaps <= high)].max() + _REACHED * bound.kT
+        first, last = np.searchsorted(gaps, [low, high])
+        above = np.flatnonzero(energy > most)
+        first = max(above[above < first], default=-1) + 1
+        last = min(above[above > last], default=len(gaps))
+        mobility = bound.mobility_of_pair(i, j, gaps[first:last])
+        slopes = np.abs(np.gradient(pull, gaps))[first:last]
+        found.append(float((mobility * slopes).max()))
+    return found
 
 
 def _diffusion(bound: System) -> float:
@@ -224,7 +297,7 @@ def inertia_error(bound: System, x: Array) -> float:
     medium = bound.scene.medium
     stiffness = bound.stiffness(x[0])
     values = np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T))
-    trapped = values[values > 0]
+    trapped = values[values > _FLAT * np.abs(values).max()]
     if not bound.scene.forces.brownian or not trapped.size:
         return math.nan
     rate = max(float(rates(bound, x[0])[-1]), 0.0)
@@ -261,7 +334,7 @@ def _thermal(
         status, message = "interrupted", f"interrupted at {times[reached - 1]:.6g} s"
     except IntegrationError as error:
         status, message = "failed", str(error)
-    slow = motion.step * float(rates(motion.system, motion.start)[-1])
+    slow = motion.step * motion.fastest
     about = {
         "chosen": motion.why, "seed": seed, "step": motion.step, "status": status,
         "message": message, "steps": (reached - 1) * motion.per_sample,
@@ -294,6 +367,7 @@ def _deterministic(
 ) -> tuple[System, Array, Array, dict[str, Any]]:
     """Return beads, times (n,), positions (n, beads, 3) and attributes of a run without noise."""
     bound, simulation = system(scene), scene.simulation
+    check_forces(bound)
     start = equilibrium(bound) if scene.start.drawn == "equilibrium" else bound.start
     times = np.linspace(0.0, simulation.duration, simulation.samples)
     began = time.perf_counter()
@@ -310,6 +384,8 @@ def _deterministic(
         raise IntegrationError(f"{scene.name}: {found.message}")
     took = time.perf_counter() - began
     finer = followed(_FINER)
+    if not finer.success:
+        raise IntegrationError(f"{scene.name}: {finer.message}")
     x = found.y.T.reshape(len(found.t), -1, 3)
     status, message = "complete", ""
     if (lost := first_loss(bound, times, x)) is not None:

@@ -68,7 +68,6 @@ def plane_of(scalars: Scalars, kT: float) -> Plane:
     gap = np.exp(u)
     of = scalars.at(gap)
     a, slope, b = of.relative_x, of.slope_x, of.relative_y
-    # R by the trapezoidal rule of ln g on a finer mesh: the integrand is smooth in ln g
     by_log = CubicSpline(u, gap / np.sqrt(2 * kT * a))
     # below the first gap a is proportional to g
     R = 2 * gap[0] / math.sqrt(2 * kT * a[0]) + by_log.antiderivative()(u)

@@ -108,11 +108,9 @@ class System:
     def fluid(self) -> Fluid:
         """Radii and viscosity for the mobility of more than two beads."""
         radii = np.array([each.radius for each in self.scene.beads])
-        gaps = [
-            np.linalg.norm(self.start[j] - self.start[i]) - radii[i] - radii[j]
-            for i, j in pairs(len(radii))
-        ]
-        return fluid_of(radii, self.scalars_unit, near=min(gaps) < FAR * radii.max())
+        held = not self.scene.tether and self.scene.forces.between is None and self.steady
+        near = not held or self.gaps(self.start).min() < FAR * radii.max()
+        return fluid_of(radii, self.scalars_unit, near=near)
 
     @property
     def scalars_unit(self) -> float:
@@ -133,6 +131,19 @@ class System:
             for x, y in ((of.x11, of.y11), (of.x22, of.y22), (of.x12, of.y12))
         )
         return np.block([[own, cross], [cross, other]])
+
+    def mobility_of_pair(self, i: int, j: int, gaps: Array) -> Array:
+        """Return the mobility of a distance by opposite forces at gaps (n,), m: (n,) s/kg."""
+        radii = float(self.acting.radius[i]), float(self.acting.radius[j])
+        return Scalars(radii, self.scalars_unit).at(gaps).relative_x
+
+    def gaps(self, positions: Array) -> Array:
+        """Return the gaps of all pairs at positions (..., beads, 3), m: (..., pairs) m."""
+        radii = self.acting.radius
+        first, second = np.array(list(pairs(len(radii)))).T
+        apart = np.linalg.norm(positions[..., second, :] - positions[..., first, :], axis=-1)
+        found: Array = apart - radii[first] - radii[second]
+        return found
 
     def tension(self, positions: Array) -> Array:
         """Return the force between each two beads at positions (n, beads, 3), m: (n, pairs) N.

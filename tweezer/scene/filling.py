@@ -107,11 +107,16 @@ def _refuse_names_of_indices(data: Mapping[str, Any]) -> None:
         return  # the check of the beams reports the error
     if max(wavelengths) == min(wavelengths):
         return
-    bead, medium = data.get("bead"), data.get("medium")
-    layers = bead.get("layers") if isinstance(bead, dict) else None
-    named = [("bead", bead, "material"), ("medium", medium, "name")]
-    if isinstance(layers, list | tuple):
-        named[:1] = [(f"bead.layers.{i}", each, "material") for i, each in enumerate(layers)]
+    named: list[tuple[str, Any, str]] = []
+    beads = [data.get("bead"), *(data.get("more_beads") or ())]
+    for number, bead in enumerate(beads, start=1):
+        name = "bead" if len(beads) == 1 else f"bead[{number}]"
+        layers = bead.get("layers") if isinstance(bead, dict) else None
+        if isinstance(layers, list | tuple):
+            named += [(f"{name}.layers.{i}", each, "material") for i, each in enumerate(layers)]
+        else:
+            named.append((name, bead, "material"))
+    named.append(("medium", data.get("medium"), "name"))
     given = [
         (f"{section}.{key} = {part[key]!r}", f"{section}.refractive_index")
         for section, part, key in named

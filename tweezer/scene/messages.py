@@ -37,12 +37,15 @@ def lines_of(
     wrong = {details["loc"] for details in errors}
     for details in errors:
         where = details["loc"]
-        name, filled = NAMED.get(str(where[0]), ("", ())) if where else ("", ())
-        if details["type"] == "missing" and (where[0], name) in wrong and where[-1] in filled:
+        section = _KINDS.get(str(where[0]), str(where[0])) if where else ""
+        name, filled = NAMED.get(section, ("", ()))
+        if details["type"] == "missing" and (*where[:-1], name) in wrong and where[-1] in filled:
             continue  # a valid name would fill in this key
         kind = _KINDS.get(str(where[0])) if where else None
         if where and where[0] in several:
             where = (f"{where[0]}[1]", *where[1:])
+        elif where[:1] == ("tether",) and len(where) > 1:
+            where = (f"tether[{int(where[1]) + 1}]", *where[2:])
         elif kind and len(where) > 1:  # numbered as in the file: [[beam]]
             where = (f"{kind}[{int(where[1]) + 2}]", *where[2:])
         key = ".".join(str(part) for part in where)

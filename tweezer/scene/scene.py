@@ -361,6 +361,8 @@ class Scene(Description):
     def _replaced(self, sections: Mapping[str, Any]) -> Scene:
         """Return a validated copy with changed sections and the old list of changes."""
         data = self.model_dump(exclude_none=True)
+        if self.more_beads:  # it follows from the first bead
+            del data["start"]["position"]
         every: dict[str, list[Any]] = {}
         for kind, key in SEVERAL.items():
             if key in sections:

@@ -13,6 +13,8 @@ from tweezer.values.printed import printed
 if TYPE_CHECKING:
     from tweezer.scene.description import Description
 
+#: Largest ratio of the radii of two beads
+LARGEST_RATIO = 20.0
 #: Sections that several beads do not support
 _WITHOUT = ("wall", "mirror", "heat", "camera", "detector", "lock_in")
 
@@ -60,9 +62,23 @@ def _names(scene: Description) -> None:
 
 
 def _apart(scene: Description) -> None:
-    """Refuse beads that overlap at the start."""
+    """Refuse beads that overlap at the start, too unequal ones, and points inside their beads."""
+    names = scene.bead_names
+    for i, tether in enumerate(scene.tether, start=1):
+        if tether.point is not None:
+            bead = scene.beads[names.index(tether.between[0])]
+            if math.dist(tether.point, bead.start or ()) <= bead.radius:
+                raise refusal(
+                    f"tether[{i}].point = {list(tether.point)}: is inside its bead at the start; "
+                    "must be outside"
+                )
     for i, j in pairs(len(scene.beads)):
         a, b = scene.beads[i], scene.beads[j]
+        if max(a.radius, b.radius) > LARGEST_RATIO * min(a.radius, b.radius):
+            raise refusal(
+                f"bead[{j + 1}].radius = {b.radius:g}: too different from bead[{i + 1}]; allowed: "
+                f"ratios up to {LARGEST_RATIO:g}"
+            )
         gap = math.dist(a.start or (), b.start or ()) - a.radius - b.radius
         if not gap > 0:
             raise refusal(

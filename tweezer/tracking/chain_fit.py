@@ -295,9 +295,10 @@ def fit_chain(
 
     Examples
     --------
-    >>> dna = {"persistence_length": "50 nm", "temperature": 298}
     >>> x = np.linspace(0.5e-6, 0.95e-6, 20)
-    >>> force = tweezer.chain_force("bouchiat", x, contour_length="1 um", **dna)
+    >>> force = tweezer.chain_force(
+    ...     "bouchiat", x, contour_length="1 um", persistence_length="50 nm", temperature=298
+    ... )
     >>> fit = tweezer.fit_chain(x, force, model="bouchiat", temperature=298, extension_error=1e-9)
     >>> round(1e9 * fit.contour_length, 3), round(1e9 * fit.persistence_length, 3)  # nm
     (1000.0, 50.0)

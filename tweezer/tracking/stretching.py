@@ -22,7 +22,7 @@ from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.scene.arguments import check_thermal
 from tweezer.tracking.chain_fit import ChainFit, fit_chain
 from tweezer.values.arrays import Array
-from tweezer.values.errors import SceneError
+from tweezer.values.errors import ResultError, SceneError
 
 if TYPE_CHECKING:
     from tweezer.results.run import Run
@@ -79,7 +79,7 @@ def stretch(scene: SceneLike, seed: int = 0, windows: int = WINDOWS) -> Stretche
         For a scene without two beads, a chain between them and a moving beam, and for windows with
         too few samples.
     ResultError
-        If the run does not determine the parameters of the chain.
+        If the run does not determine the parameters of the chain, or did not reach its end.
 
     Notes
     -----
@@ -94,6 +94,8 @@ def stretch(scene: SceneLike, seed: int = 0, windows: int = WINDOWS) -> Stretche
             f"that each has {_FEWEST} samples"
         )
     run = run_of(scene, seed)
+    if run.attributes["status"] != "complete":
+        raise ResultError(f"{scene.name}: {run.attributes['message']}")
     extension, force = run["gap"][:, 0], _tension(scene, run)
     means = np.array([
         _window(extension[part], force[part])
@@ -125,6 +127,8 @@ def _molecule(scene: Scene) -> Tether:
         raise SceneError(f"bead: stretching requires two beads; the scene has {len(scene.beads)}")
     if len(scene.tether) != 1 or scene.tether[0].model == "spring" or scene.tether[0].point:
         raise SceneError("tether: stretching requires one chain between the two beads")
+    if scene.forces.between is not None:
+        raise SceneError("forces.between: acts beside the molecule; remove it")
     if not scene.light_moves:
         raise SceneError("beam.motion: stretching requires a beam that moves, such as a ramp")
     return scene.tether[0]
@@ -179,10 +183,7 @@ def _curvature(fit: ChainFit, tether: Tether, scene: Scene, x: Array, spread: Ar
         persistence_length=fit.persistence_length, temperature=scene.medium.temperature,
         stretch_modulus=tether.stretch_modulus,
     )  # fmt: skip
-    last = law.extensions[1]
-    step = np.minimum(spread, 0.5 * (last - x))
-    forces = [
-        law.force(np.maximum(x + sign * step, 1e-6 * fit.contour_length))[0] for sign in (-1, 0, 1)
-    ]
-    found: Array = np.nan_to_num((forces[0] - 2 * forces[1] + forces[2]) / step**2)
+    step = np.minimum(spread, 0.5 * np.minimum(x, law.extensions[1] - x))
+    forces = [law.force(x + sign * step)[0] for sign in (-1, 0, 1)]
+    found: Array = (forces[0] - 2 * forces[1] + forces[2]) / step**2
     return found

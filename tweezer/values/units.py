@@ -39,7 +39,7 @@ _NUMBER = re.compile(r"\s*[+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?\s*")
 _COMPLEX = re.compile(r"[0-9.eEj+ -]{1,100}")
 _NAME = (
     r"(?:[fpnuµμmcdk]?(?:m|s|sec|W|g|Pa|P|K|N|l|L|rad|mol|bar)"
-    r"|hPa|m?[Tt]orr|atm"
+    r"|[hMG]Pa|m?[Tt]orr|atm"
     r"|[zafpnm]?J|joules?|eV"
     r"|(?:femto|pico|nano|micro|milli|centi|kilo)?"
     r"(?:meter|metre|second|watt|gram|pascal|poise|kelvin|newton|liter|litre|radian)s?"
