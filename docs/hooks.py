@@ -379,11 +379,16 @@ def scene_reference() -> dict[str, str]:
     A key has its unit, the allowed values, the default and its meaning.
     """
     schema = Scene.model_json_schema()
-    top = {key: of for key, of in schema["properties"].items() if not _section_of(of)}
-    tables = {
-        name: _section_tables(name, schema["$defs"][_section_of(of)], schema["$defs"])
-        for name, of in schema["properties"].items() if name not in top
+    named = " ".join(names for _, names in KEYS.values()).split()
+    top = {
+        key: of for key, of in schema["properties"].items()
+        if not _section_of(of) and key not in named
     }  # fmt: skip
+    tables = {}
+    for name, of in schema["properties"].items():
+        if name not in top:  # a list of sections, such as [[tether]], has its section in the items
+            section = _section_of(of) or _section_of(of["items"])
+            tables[name] = _section_tables(name, schema["$defs"][section], schema["$defs"])
     introduction = [
         "A scene is a TOML file with sections and keys. `tweezer scenes` prints the paths of the "
         "shipped scenes. A value is a number in the named unit, or text with any unit convertible "
