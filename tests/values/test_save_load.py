@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 
 import tweezer
+from tests.beads.test_motion import beads
 from tests.damaged_results import SCENE, THERMAL
 from tweezer.calibration import together
 from tweezer.tracking.depth import Minimum, Parameter
@@ -81,6 +82,7 @@ MADE = {
     "ensemble": lambda: tweezer.ensemble(THERMAL, 3),
     "heights": lambda: tweezer.trap_over_heights(SCENE, [1e-6, 2e-6]),
     "rotation": lambda: tweezer.rotation(tweezer.simulate(ROD, seed=1)),
+    "beads": lambda: tweezer.simulate(beads((0, 0, 0), (2e-6, 0, 0))),
     "run": lambda: tweezer.simulate(THERMAL, seed=1),
     "trap": lambda: tweezer.characterise(SCENE),
     "body trap": lambda: tweezer.characterise(ROD),

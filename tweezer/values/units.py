@@ -39,7 +39,7 @@ _NUMBER = re.compile(r"\s*[+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?\s*")
 _COMPLEX = re.compile(r"[0-9.eEj+ -]{1,100}")
 _NAME = (
     r"(?:[fpnuµμmcdk]?(?:m|s|sec|W|g|Pa|P|K|N|l|L|rad|mol|bar)"
-    r"|[hMG]Pa|m?[Tt]orr|atm"
+    r"|hPa|m?[Tt]orr|atm"
     r"|[zafpnm]?J|joules?|eV"
     r"|(?:femto|pico|nano|micro|milli|centi|kilo)?"
     r"(?:meter|metre|second|watt|gram|pascal|poise|kelvin|newton|liter|litre|radian)s?"
@@ -50,7 +50,7 @@ _NAME = (
 _POWER = rf"{_NAME}(?:(?:\^|\*\*)-?[1-9]|[²³])?"
 _FACTORS = rf"{_POWER}(?:(?:\s*[*/·]\s*|\s+){_POWER}){{0,7}}"
 _PRODUCT = rf"(?:1\s*/\s*)?{_FACTORS}(?:\s*/\s*\({_FACTORS}\))?"
-_UNIT = re.compile(rf"{_PRODUCT}|degC|degF|°[CF]|celsius|fahrenheit|dBm")
+_UNIT = re.compile(rf"{_PRODUCT}|[MG]Pa|degC|degF|°[CF]|celsius|fahrenheit|dBm")
 #: Pattern of units that are valid only for a frequency
 _HERTZ = re.compile(r"[mkM]?Hz|1/s")
 #: Pattern of units of spectral densities
