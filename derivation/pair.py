@@ -167,7 +167,7 @@ Operator = dict[int, sp.Expr]
 
 
 def rows(factors: tuple[Any, ...], order: int) -> Operator:
-    """What a row n contains of the degrees n - 1, n, n + 1, from what a degree n gives to them."""
+    """Factors of the degrees n - 1, n, n + 1 in row n; degree n gives `factors` to three rows."""
     return {
         -shift: sp.sympify(factor).subs(m, order).subs(n, n - shift)
         for shift, factor in zip((-1, 0, 1), factors, strict=True)

@@ -37,7 +37,7 @@ def test_wrong_factor_does_not_pass():
 
 
 def test_harmonics_satisfy_laplaces_equation():
-    """By the derivatives alone: d2/dz2 + (d/drho + 1/rho) d/drho of m = 0 has no term."""
+    """The Laplacian d2/dz2 + (d/drho + 1/rho) d/drho of m = 0 vanishes by the derivatives alone."""
     along = pair.rows(pair.ALONG_Z, 0)
     twice = {}
     for after, before in (
@@ -125,7 +125,7 @@ def test_plane_gives_the_motion_of_the_distance():
 
 
 def test_boltzmanns_density_of_the_distance_has_no_flux():
-    """Of rho^2 e^(-U/kT): drift times density is half of the slope of noise times density."""
+    """The density is rho^2 e^(-U/kT): its flux by the drift cancels its flux by the noise."""
     r, a = pair.r, pair.along
     phi = sp.Function("phi")(r)
     density = r**2 * sp.exp(phi)

@@ -148,7 +148,7 @@ def test_large_sphere_is_a_wall():
 # --- the table for compiled code -----------------------------------------------------------------
 @pytest.fixture(scope="module")
 def table():
-    """Of radii 1 and 0.5."""
+    """Return the table for the radii 1 and 0.5."""
     return pair_table(0.5)
 
 

@@ -1,11 +1,11 @@
 """Spheres in Stokes flow by three formulations that share nothing with the product's.
 
-* along the line of centres: the stream function of M. Stimson and G. B. Jeffery (1926) and A. D.
-  Maude (1961), four equations for each degree, with as many digits as asked;
-* across it: the bispherical harmonics of pressure and of three potentials, all eight coefficients
-  of a degree unknown. The equations hold on the surfaces alone: the velocity, and n.(n.grad)u = 0.
-  The divergence of u is harmonic, so it vanishes if it does on the surfaces;
-* any number of spheres: H. Lamb's solution about each of them, fitted to points of their surfaces.
+* Along the line of centres: the stream function (M. Stimson and G. B. Jeffery, 1926, and A. D.
+  Maude, 1961). Each degree has four equations, which are solved with any number of digits.
+* Across it: bispherical harmonics of the pressure and of three potentials, with eight unknown
+  coefficients for each degree. The equations hold on the surfaces alone: the velocity is given,
+  and n.(n.grad)u = 0. The divergence of u is harmonic, so it vanishes if it does on the surfaces.
+* Any number of spheres: H. Lamb's solution about each of them, fitted to points of their surfaces.
 
 Mobilities are over 1/(6 pi mu) and powers of length. The names are those of
 `tweezer.pair_mobilities`. `python -m tests.reference.spheres` makes tests/data/spheres.json in

@@ -23,7 +23,7 @@ CLOSEST = 0.165e-9
 
 
 class Acting(NamedTuple):
-    """What acts on the beads."""
+    """Forces on the beads, as compiled loops read them."""
 
     light: Data
     """a part for each bead: the force of all beams on it"""

@@ -144,7 +144,7 @@ def equilibrium(system: System) -> Array:
 
 
 def check_forces(system: System) -> None:
-    """Raise `SceneError` if a force at the start is not finite, as of a chain that is too short."""
+    """Raise `SceneError` for a force at the start that is not finite, as an overlong chain has."""
     if np.isfinite(system.forces(system.start[None])).all():
         return
     for i, tether in enumerate(system.scene.tether, start=1):
@@ -292,13 +292,15 @@ def inertia_error(bound: System, x: Array) -> float:
 
     Vorticity needs the time r^2 rho/mu to the other bead. Within it, the cross mobility is too
     large by about (2/3) r sqrt(omega rho/mu), with the relaxation rate omega of the traps. The
-    error is this part, at most 1, of the thermal correlation sqrt(kT/k) mu12/mu11.
+    error is this part, at most 1, of the thermal correlation sqrt(kT/k) mu12/mu11. It is NaN
+    without thermal motion, and for beads that no force holds.
     """
-    medium = bound.scene.medium
-    stiffness = bound.stiffness(x[0])
+    if not bound.scene.forces.brownian:
+        return math.nan
+    medium, stiffness = bound.scene.medium, bound.stiffness(x[0])
     values = np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T))
     trapped = values[values > _FLAT * np.abs(values).max()]
-    if not bound.scene.forces.brownian or not trapped.size:
+    if not trapped.size:
         return math.nan
     rate = max(float(rates(bound, x[0])[-1]), 0.0)
     worst = 0.0

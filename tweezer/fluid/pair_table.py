@@ -24,6 +24,7 @@ from tweezer.fluid import two_spheres
 from tweezer.fluid.pair import NAMES, mobilities, scales
 from tweezer.generated import pair
 from tweezer.optics.table import kept
+from tweezer.scene.several import LARGEST_RATIO
 from tweezer.values.arrays import Array
 from tweezer.values.errors import SceneError
 
@@ -33,8 +34,6 @@ cache_functions(pair)
 _LOWEST = 1e-5
 #: Pieces of w, and terms of each, which compiled code knows
 _PIECES, _TERMS = 10, pair.TERMS
-#: Ratio of the largest radii to the smallest for which a table is made
-LARGEST_RATIO = 20.0
 _ALONG = NAMES.index("relative_x")
 
 
@@ -75,7 +74,7 @@ def _fill(powers, total, lowest, per_w, gaps, found):  # type: ignore[no-untyped
 
 
 def pair_table(ratio: float) -> PairTable:
-    """Return the table for a ratio a_2/a_1 of the radii, from memory, the cache folder or anew.
+    """Return the table for a ratio a_2/a_1 of the radii; compute it unless it is stored.
 
     Parameters
     ----------

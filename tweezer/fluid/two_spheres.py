@@ -11,9 +11,9 @@ singular in sphere 1 (s = +1) or in sphere 2. On each surface Q and v follow fro
 the harmonic of v_z. The continuity equation contains the degrees n - 1, n and n + 1
 (`derivation.pair` proves both), which makes a block-tridiagonal system.
 
-The motion along the line is that of G. B. Jeffery and M. Stimson (1926) and A. D. Maude (1961).
-The motion across it is that of A. J. Goldman, R. G. Cox and H. Brenner (1966) and M. E. O'Neill and
-S. R. Majumdar (1970).
+G. B. Jeffery and M. Stimson (1926) and A. D. Maude (1961) solved the motion along the line. A. J.
+Goldman, R. G. Cox and H. Brenner (1966) and M. E. O'Neill and S. R. Majumdar (1970) solved the
+motion across it.
 """
 
 from __future__ import annotations

@@ -4,8 +4,8 @@ The position is multiplied by the reference and passes a low-pass of the bandwid
 
     x(t) = Re{z(t) e^(2 pi i f t)},    z' = 2 pi B (2 x e^(-2 pi i f t) - z),
 
-for each axis. The in-phase part Re z and the quadrature Im z change slowly. So a record with two
-samples per 1/B is enough, however many periods lie between them. The filter multiplies the
+for each axis. Re z is the in-phase part, and Im z the quadrature. Both change slowly, so a record
+with two samples per 1/B is enough, however many periods lie between them. The filter multiplies the
 spectrum of z by 1/(1 + (df/B)^2) at the distance df from the reference.
 """
 
