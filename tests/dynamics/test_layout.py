@@ -25,6 +25,8 @@ OTHERS = {
     "samples[:, 0]",  # the first sample of every trajectory
     "work.chi[:3]",
     "work.chi[3:6]",  # room for two vectors
+    "beads.lock_in[:3, :n]",  # of the array of a batch of beads, which is no state
+    "beads.lock_in[3:, :n]",
 }
 #: Names of variables and attributes that hold states or samples, columns last
 STATES = {"state", "states", "sample", "samples", "initial_state", "begin_state"}

@@ -66,5 +66,6 @@ def warm_up(scene: Scene) -> None:
             kalman_filter(bind_translation(bound_once(scene), "overdamped"))
             mean_times(np.zeros((1, 1)), np.ones(1), np.ones(1), np.zeros(1))
         scene = walk(scene).scene if scene.forces.brownian else chosen(scene)[0]
-        seen = {"camera": {"rate": 1 / _MOMENT}} if scene.forces.brownian else {}
+        blurred = scene.forces.brownian and not scene.medium.viscoelastic
+        seen = {"camera": {"rate": 1 / _MOMENT}} if blurred else {}
         simulate(scene.replace(simulation={"duration": _MOMENT, "samples": 2}, **seen))
