@@ -10,8 +10,9 @@ from scipy.linalg import expm
 import tweezer
 from tests.beads.springs import KT, UNIT, in_traps
 from tweezer.beads import many
-from tweezer.beads.motion import coupled, equilibrium, rates, velocities
+from tweezer.beads.equilibrium import equilibrium, rates, velocities
 from tweezer.beads.system import system
+from tweezer.beads.thermal import coupled
 from tweezer.fluid.many import many_mobility
 from tweezer.fluid.pair import NAMES, exact
 from tweezer.values.errors import ResultError, SceneError
@@ -260,7 +261,7 @@ def test_interrupted_run_keeps_its_samples():
 def test_step_follows_the_forces():
     scene = two_traps()
     found = coupled(scene, 0)
-    assert found.step * rates(found.system, found.start)[-1] <= 0.05 * (1 + 1e-9)
+    assert found.step * rates(found.system, found.begin)[-1] <= 0.05 * (1 + 1e-9)
 
 
 def test_step_resolves_the_stiffness_that_beads_meet_later():

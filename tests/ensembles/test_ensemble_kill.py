@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 import tweezer
+from tests.beads.test_ensembles import PAIR
 from tests.ensembles.test_ensemble import FREE, INERTIAL, content, interrupt_after
 from tweezer.ensembles import job, statistics, store
 
@@ -76,7 +77,9 @@ def has_written(process, out: Path, number: int, seen: set[tuple[Path, int]]) ->
 
 
 @pytest.mark.parametrize("gathered", [False, True])
-@pytest.mark.parametrize("scene", [FREE, INERTIAL, ROD], ids=["overdamped", "memory", "body"])
+@pytest.mark.parametrize(
+    "scene", [FREE, INERTIAL, ROD, PAIR], ids=["overdamped", "memory", "body", "pair"]
+)
 def test_killed_at_random_and_resumed(scene, gathered, process, tmp_path):
     suffix = ".nc" if gathered else ".zarr"
     whole = tmp_path / f"whole{suffix}"

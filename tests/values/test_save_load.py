@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 
 import tweezer
+from tests.beads.test_ensembles import PAIR
 from tests.beads.test_motion import beads
 from tests.damaged_results import SCENE, THERMAL
 from tweezer.calibration import together
@@ -78,6 +79,8 @@ ROD = THERMAL.replace(bead={"shape": "spheroid", "diameter": "0.4 um", "length":
 MADE = {
     "light": lambda: tweezer.light(SCENE).field([[0, 0, 0], [1e-7, 0, 0]]),
     "sweep": lambda: tweezer.sweep(SCENE, {"bead.diameter": [5e-7, 1e-6]}, workers=1),
+    "beads statistics": lambda: tweezer.ensemble(PAIR, 70, statistics=True),
+    "beads ensemble": lambda: tweezer.ensemble(PAIR, 3),
     "statistics": lambda: tweezer.ensemble(THERMAL, 70, statistics=True),
     "ensemble": lambda: tweezer.ensemble(THERMAL, 3),
     "heights": lambda: tweezer.trap_over_heights(SCENE, [1e-6, 2e-6]),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tweezer.beads.motion import equilibrium
+from tweezer.beads.equilibrium import equilibrium
 from tweezer.beads.system import system
 from tweezer.results.io import scene_of
 from tweezer.scene.arguments import in_si

@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tweezer.beads.forces import (
     CHAIN,
@@ -103,6 +104,16 @@ class System:
         """Return the foci of all beams at a time, s, (n, 3) m."""
         light = self.lights[0]
         return light.foci(time) if isinstance(light, LightForce | Beams) else np.zeros((1, 3))
+
+    def outside(self, times: Array, x: Array) -> NDArray[np.bool_]:
+        """Return which beads are lost at times (n,), s, and positions (..., n, beads, 3), m.
+
+        A bead is lost if it is farther than `simulation.loss_distance` from every focus.
+        """
+        foci = np.stack([self.foci(t) for t in ([times[0]] if self.steady else times)])
+        apart = np.linalg.norm(x[..., None, :] - foci[:, None], axis=-1).min(axis=-1)
+        lost: NDArray[np.bool_] = apart > self.scene.simulation.loss_distance
+        return lost
 
     @functools.cached_property
     def fluid(self) -> Fluid:

@@ -36,7 +36,7 @@ from tweezer.cli.console import (
     write_figure,
 )
 from tweezer.cli.tables import print_shown
-from tweezer.values.errors import PhysicsWarning
+from tweezer.values.errors import PhysicsWarning, SceneError
 from tweezer.values.prefixes import per
 from tweezer.values.printed import printed
 from tweezer.values.rounding import with_uncertainty
@@ -106,7 +106,10 @@ def ensemble(
         described, trajectories, seed=seed, out=out, statistics=statistics, skip=skipped,
         scheduler=scheduler, workers=workers,
     )  # fmt: skip
-    bind_light(described)
+    if plot and described.more_beads:
+        raise SceneError("--plot: requires a single bead; omit it")
+    for number in range(1, len(described.beads) + 1):
+        bind_light(described.alone(number))
     with (
         showing_progress(described.name) as progress,
         warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # shown above
@@ -145,16 +148,24 @@ def _rows(scene: Scene, result: xr.Dataset) -> Iterator[Row]:
         yield Row("", attributes["loss_caveat"])
     yield Row("samples", f"{attributes['samples']} in {printed(attributes['duration'], 'ms')}")
     if "stationary_mean" in result:
-        mean, error = (per("um") * result[f"stationary_mean{of}"].values for of in ("", "_error"))
-        row = map(with_uncertainty, mean, error)
-        yield Row("mean (x, y, z)", ", ".join(row) + " um from the focus")
-        variance, error = (result[f"stationary_variance{of}"].values for of in ("", "_error"))
-        deviation = variance**0.5
-        error = per("nm") * error / (2 * deviation)
-        row = map(with_uncertainty, per("nm") * deviation, error)
-        yield Row("standard deviation (x, y, z)", ", ".join(row) + " nm")
+        several = len(scene.beads) > 1
+        for k, name in enumerate(scene.bead_names):
+            one = result.isel(bead=k) if several else result
+            yield from _moments(one, f"{name}, " if several else "")
         windows = f"{int(result['windows'])} of {attributes['samples_per_window']} samples, "
         yield Row("windows", f"{windows}{int(result['windows_lost'])} not used", detail=True)
     yield Row("model, method", f"{attributes['model']}; {attributes['method']}")
     yield from rows_of_light(scene)
     yield Row("step", f"{attributes['step']:.3g} s", detail=True)
+
+
+def _moments(result: xr.Dataset, of: str) -> Iterator[Row]:
+    """Yield mean and standard deviation of the position of a bead; `of` begins the names."""
+    mean, error = (per("um") * result[f"stationary_mean{each}"].values for each in ("", "_error"))
+    row = map(with_uncertainty, mean, error)
+    yield Row(f"{of}mean (x, y, z)", ", ".join(row) + " um from the focus")
+    variance, error = (result[f"stationary_variance{each}"].values for each in ("", "_error"))
+    deviation = variance**0.5
+    error = per("nm") * error / (2 * deviation)
+    row = map(with_uncertainty, per("nm") * deviation, error)
+    yield Row(f"{of}standard deviation (x, y, z)", ", ".join(row) + " nm")

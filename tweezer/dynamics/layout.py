@@ -125,6 +125,11 @@ class Layout:
         return sum(self.blocks.values())
 
     @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of a sample of a copy: (width,) of one body, or (bodies, width)."""
+        return (self.width,) if self.bodies == 1 else (self.bodies, self.width)
+
+    @property
     def size(self) -> int:
         """Number of components of a copy's state."""
         return self.bodies * self.width

@@ -6,6 +6,7 @@ import dataclasses
 import functools
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,7 @@ from tweezer.dynamics.step_bias import energy_loss
 from tweezer.dynamics.thermal import Linearised, decide, steps_of
 from tweezer.forces.data import Part
 from tweezer.forces.equilibria import Equilibrium
-from tweezer.forces.force import bound
+from tweezer.forces.force import Force, bound
 from tweezer.forces.own import fault_of, forget_faults
 from tweezer.scene import Scene
 from tweezer.scene.arguments import check_thermal
@@ -90,6 +91,29 @@ class Walk:
     """
     variance_bias: float | None = None
     """approximate relative error of the position's variance due to the step; None if it is small"""
+
+    @property
+    def others(self) -> tuple[Force, ...]:
+        """Forces of the user."""
+        return self.problem.others
+
+    @property
+    def origin(self) -> tuple[float, ...]:
+        """Equilibrium of the bead, or its position at the start without one, m."""
+        if self.equilibrium:
+            return tuple(self.plan.centre[TRANSLATION])
+        return self.scene.start_position
+
+    @property
+    def reach(self) -> float:
+        """Distance from the focus at which a bead is lost, m."""
+        return self.scene.simulation.loss_distance
+
+    @property
+    def coefficients(self) -> tuple[Any, ...]:
+        """Numbers from which the steps are computed, without addresses of this process."""
+        (*plan, drag, laser, lock_in), (*edge, _, _) = self.plan, self.edge
+        return (*plan, laser, lock_in, drag.data.numbers, *edge, *self.weights)
 
     @functools.cached_property
     def shown(self) -> Layout:

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 import numba
 import xarray as xr
 
-from tweezer.dynamics.problem import bound_once
-from tweezer.dynamics.walk import Walk, walk
+from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.job import Job
+from tweezer.ensembles.motion import Moving, moving
 from tweezer.ensembles.store import (
     Gathered,
     Joined,
@@ -106,7 +106,9 @@ def ensemble(
 
         The trajectories are NaN after a bead is lost:
 
-        * position (trajectory, time, axis): position relative to the focus, m
+        * position (trajectory, time, axis): position relative to the focus, m; for several beads
+          (trajectory, time, bead, axis), relative to the origin. A trajectory ends with the loss
+          of its first bead
         * velocity: m/s, if the model has one
         * orientation (trajectory, time, euler_parameter): if the bead rotates
         * angular_velocity (trajectory, time, body_axis): rad/s, if the rotation has inertia
@@ -156,24 +158,24 @@ def ensemble(
     >>> dict(beads.position.sizes)
     {'trajectory': 3, 'time': 2001, 'axis': 3}
     """
-    scene = checked_scene(scene)
+    scene = checked_scene(scene, several=True)
     if duration is not None:
         scene = scene.replace(simulation={"duration": duration})
     check_ensemble(
         scene, trajectories, seed=seed, out=out, statistics=statistics, skip=skip,
         scheduler=scheduler, workers=workers,
     )  # fmt: skip
-    problem = bound_once(scene, forces)
-    if problem.others and scheduler is not None:
+    bound = moving(scene, seed, forces)
+    if bound.others and scheduler is not None:
         raise SceneError("forces: cannot be combined with scheduler; omit the scheduler")
-    if problem.others and out is not None and not origins_of(problem.others):
+    if bound.others and out is not None and not origins_of(bound.others):
         raise SceneError(
             "forces: cannot be combined with out unless named by files, as 'handles.py:spring'; "
             "omit out, and save the result"
         )
-    bound = walk(problem, seed)
-    bound.warn_of_bias()
-    needed = 8 * bound.shown.width * trajectories * len(bound.times)
+    if isinstance(bound, Walk):
+        bound.warn_of_bias()
+    needed = 8 * bound.shown.size * trajectories * len(bound.times)
     if out is None and not statistics and needed > _MEMORY:
         raise SceneError(
             f"out: missing; {trajectories} trajectories take {needed / 1e9:.3g} GB, too much "
@@ -190,7 +192,7 @@ def ensemble(
 
 def _run(
     job: Job,
-    bound: Walk,
+    bound: Moving,
     scheduler: str | Client | None,
     workers: int | None,
     progress: Callable[[float], None] | None,

@@ -13,8 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from tweezer.dynamics.layout import TRANSLATION
-from tweezer.dynamics.walk import Walk
+from tweezer.ensembles.motion import Moving
 from tweezer.ensembles.statistics import WINDOW, Plan
 from tweezer.forces.named import origins_of
 from tweezer.optics import worth_attributes
@@ -70,7 +69,7 @@ class Job:
     """value of `found_of` in the process that began the ensemble"""
 
     @classmethod
-    def of(cls, bound: Walk, trajectories: int, skipped: int | None, out: Path | None) -> Job:
+    def of(cls, bound: Moving, trajectories: int, skipped: int | None, out: Path | None) -> Job:
         """Return the job, divided into blocks and windows.
 
         A window of a block takes at most 25 MB of memory. A block has more than 64 trajectories
@@ -78,7 +77,7 @@ class Job:
 
         Parameters
         ----------
-        bound : Walk
+        bound : Moving
             Equations of motion and times of samples.
         trajectories : int
             Number of trajectories.
@@ -88,7 +87,7 @@ class Job:
             File to write; None to keep the result in memory.
         """
         samples = len(bound.times)
-        width = bound.shown.width if skipped is None else bound.shown.blocks["position"]
+        width = bound.shown.size if skipped is None else len(bound.origin)
         if skipped is None:
             window = max(1, min(samples, _WINDOW_NUMBERS // (_BATCH * width)))
             cuts = [*range(0, samples, window), samples]
@@ -143,7 +142,7 @@ class Job:
         return self.part / "total.npz"
 
 
-def plan_of(bound: Walk, skipped: int) -> Plan:
+def plan_of(bound: Moving, skipped: int) -> Plan:
     """Return the plan of the statistics, which includes all quantities that can be averaged.
 
     The first `skipped` samples enter only the moments over time. For the method "one-call" the plan
@@ -151,26 +150,26 @@ def plan_of(bound: Walk, skipped: int) -> Plan:
     """
     shown = bound.shown
     quantities = {name: shown.at(name) for name in shown.blocks if name != "orientation"}
+    if shown.bodies > 1:
+        quantities = {"position": slice(0, shown.size)}
     simulation = bound.scene.simulation
     return Plan(
         bound.times,
         quantities,
         skipped,
-        simulation.loss_distance,
-        tuple(bound.plan.centre[TRANSLATION]) if bound.equilibrium else bound.scene.start_position,
+        bound.reach,
+        bound.origin,
         METHODS[simulation.method].displacements,
+        tuple(bound.scene.bead_names),
     )
 
 
-def found_of(bound: Walk) -> Attributes:
+def found_of(bound: Moving) -> Attributes:
     """Return the values that every process computes by itself: step, versions, coefficients.
 
     They must agree among all processes that work on an ensemble.
     """
-    # without the addresses of this process
-    (*plan, drag, laser, lock_in), (*edge, _, _) = bound.plan, bound.edge
-    numbers = (*plan, laser, lock_in, drag.data.numbers, *edge, *bound.weights)
-    coefficients = b"".join(np.asarray(each).tobytes() for each in numbers)
+    coefficients = b"".join(np.asarray(each).tobytes() for each in bound.coefficients)
     return {
         "step": float(bound.step),
         "steps_per_sample": int(bound.per_sample),
@@ -179,13 +178,13 @@ def found_of(bound: Walk) -> Attributes:
     }
 
 
-def attributes_of(job: Job, bound: Walk) -> Attributes:
+def attributes_of(job: Job, bound: Moving) -> Attributes:
     """Return the attributes of the result, which contain everything that its numbers depend on.
 
     They exclude the time and machine of the computation.
     """
     others: Attributes = {}
-    if own := bound.problem.others:
+    if own := bound.others:
         others = {"other_forces": len(own), "forces_from": origins_of(own)}
     return {
         "title": bound.scene.title,
@@ -200,7 +199,7 @@ def attributes_of(job: Job, bound: Walk) -> Attributes:
         "chosen": bound.why,
         **({} if bound.variance_bias is None else {"variance_bias": bound.variance_bias}),
         **({"loss_caveat": bound.loss_caveat} if bound.loss_caveat else {}),
-        **worth_attributes(bound.scene),
+        **worth_attributes(bound.scene.alone(1)),
         "samples_skipped": job.skipped or 0,
         "trajectories_per_block": job.block,
         "samples_per_window": max(b - a for a, b in itertools.pairwise(job.cuts)),
@@ -210,7 +209,7 @@ def attributes_of(job: Job, bound: Walk) -> Attributes:
     }
 
 
-def identity_of(job: Job, bound: Walk) -> str:
+def identity_of(job: Job, bound: Moving) -> str:
     """Return a digest of `attributes_of`, by which checkpoints of the ensemble are recognised.
 
     It excludes the reasons for choices, which workers do not know, and the text of changes to the

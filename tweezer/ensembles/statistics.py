@@ -101,6 +101,13 @@ class Plan:
     """reference point near the beads, m, subtracted before squaring to avoid cancellation"""
     displacements: bool
     """whether displacements between samples are physical; otherwise msd and psd are omitted"""
+    beads: tuple[str, ...] = ()
+    """names of several beads, whose positions follow each other in the columns of a sample"""
+
+    @property
+    def axes(self) -> int:
+        """Number of columns of the positions of all beads."""
+        return len(self.origin)
 
     @property
     def window(self) -> int:
@@ -151,7 +158,7 @@ class Statistics:
     def __init__(self, plan: Plan) -> None:
         """Start without trajectories, with all arrays zero."""
         self.plan = plan
-        kept, lags = -(-len(plan.times) // plan.every), len(plan.lags)
+        kept, lags, axes = -(-len(plan.times) // plan.every), len(plan.lags), plan.axes
         # moments to order 4, (5, times, columns), and to order 2, (3, axes, numbers)
         self.moments = {
             name: np.zeros((5, kept, columns.stop - columns.start))
@@ -159,16 +166,16 @@ class Statistics:
         }
         self.moments |= {
             # over windows, for each axis: the window averages u of x and v of x^2, and u v
-            "average": np.zeros((3, 3, 3)),
+            "average": np.zeros((3, axes, 3)),
         }
         if plan.displacements:
-            self.moments["msd"] = np.zeros((3, 3, lags))
-            self.moments["psd"] = np.zeros((3, 3, plan.window // 2))
+            self.moments["msd"] = np.zeros((3, axes, lags))
+            self.moments["psd"] = np.zeros((3, axes, plan.window // 2))
         self.sums = {
-            "counts": np.zeros((_BINS, 3)),
+            "counts": np.zeros((_BINS, axes)),
             # over blocks: squares of counts, products of counts and samples, squares of samples
-            "counts_squared": np.zeros((_BINS, 3)),
-            "counts_samples": np.zeros((_BINS, 3)),
+            "counts_squared": np.zeros((_BINS, axes)),
+            "counts_samples": np.zeros((_BINS, axes)),
             "samples_squared": np.zeros(1),
             "samples": np.zeros(1),
             "blocks": np.zeros(1),
@@ -193,10 +200,12 @@ class Statistics:
     def add_piece(self, first: int, samples: Array) -> None:
         """Add samples (trajectories, samples, columns) to the moments over the trajectories.
 
-        `first` is the index of the first of these samples. A `Statistics` is given each sample of
-        its trajectories once, until its block is closed.
+        Samples of several beads are (trajectories, samples, beads, columns). `first` is the index
+        of the first of these samples. A `Statistics` is given each sample of its trajectories once,
+        until its block is closed.
         """
         every = self.plan.every
+        samples = samples.reshape(*samples.shape[:2], -1)
         kept, samples = -(-first // every), samples[:, -first % every :: every]
         if not samples.size:
             return
@@ -211,15 +220,16 @@ class Statistics:
     def add_window(self, first: int, position: Array) -> None:
         """Add a window to all statistics over time: histogram, averages, displacements, spectrum.
 
-        `position` is (trajectories, samples, 3), m, NaN after a loss, and `first` is the index of
-        its first sample.
+        `position` is (trajectories, samples, 3), m, or (trajectories, samples, beads, 3). It is NaN
+        after a loss. `first` is the index of its first sample.
         """
         plan = self.plan
+        position = position.reshape(*position.shape[:2], -1)
         lost = np.isnan(position[..., 0])
         self.sums["samples_lost"] += lost.sum()
         if first < plan.skipped:
             return
-        self._count(position[~lost] if lost.any() else position.reshape(-1, 3))
+        self._count(position[~lost] if lost.any() else position.reshape(-1, plan.axes))
         if position.shape[1] == plan.window:
             whole = ~lost[:, -1]
             self.sums["windows_lost"] += (~whole).sum()
@@ -227,8 +237,8 @@ class Statistics:
                 self._add_windows(position[whole])
 
     def _count(self, position: Array) -> None:
-        """Add positions (n, 3), m, to the histogram."""
-        for axis in range(3):
+        """Add positions (n, axes), m, to the histogram."""
+        for axis in range(self.plan.axes):
             bins = ((position[:, axis] / self.plan.reach + 1) * (_BINS / 2)).astype(np.int64)
             self.sums["counts"][:, axis] += np.bincount(
                 np.clip(bins, 0, _BINS - 1), minlength=_BINS
@@ -236,7 +246,7 @@ class Statistics:
         self.sums["samples"] += len(position)
 
     def _add_windows(self, position: Array) -> None:
-        """Add windows of positions without a loss, (n, samples of a window, 3), m."""
+        """Add windows of positions without a loss, (n, samples of a window, axes), m."""
         step = self.plan.times[1] - self.plan.times[0]
         together = max(1, _CACHED // position[0].size)
         for i in range(0, len(position), together):
@@ -276,7 +286,6 @@ class Statistics:
         dataset = xr.Dataset(
             coords={
                 "time": ("time", times, _about("s", "time since release")),
-                "axis": ("axis", *QUANTITIES["position"].coordinate),
             }
         )
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -302,6 +311,11 @@ class Statistics:
         ):
             dataset[name] = ((), self.sums[name][0], _about("1", long_name))
         dataset["windows"] = ((), self.moments["average"][0].max(), _about("1", "windows used"))
+        if len(plan.beads) > 1:
+            columns = dataset.rename(axis="column").coarsen(column=3)
+            dataset = columns.construct(column=("bead", "axis"))
+            dataset.coords["bead"] = "bead", list(plan.beads), {"long_name": "name of the bead"}
+        dataset.coords["axis"] = "axis", *QUANTITIES["position"].coordinate
         return dataset
 
     def _put_moments(

@@ -22,7 +22,6 @@ from pydantic import ValidationError
 from zarr.codecs import Crc32cCodec, ZstdCodec
 
 from tweezer.dynamics.layout import QUANTITIES
-from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.job import (
     SEEN,
     SIGNAL,
@@ -32,6 +31,7 @@ from tweezer.ensembles.job import (
     identity_of,
     plan_of,
 )
+from tweezer.ensembles.motion import Moving
 from tweezer.ensembles.statistics import Statistics
 from tweezer.results.io import load_result, save_run
 from tweezer.scene import Scene
@@ -56,7 +56,7 @@ _UNREADABLE = (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile)
 _TORN = re.compile(r"\d+\.[0-9a-f]+\.partial")
 
 
-def _begun(job: Job, bound: Walk, resume: bool) -> bool:
+def _begun(job: Job, bound: Moving, resume: bool) -> bool:
     """Return whether an ensemble at `job.out` was begun earlier.
 
     Raises `ResultError` if it was and `resume` is not set, or if it has another scene or other
@@ -117,7 +117,7 @@ def _made(job: Job) -> Attributes | None:
 
 
 @contextlib.contextmanager
-def at_work(job: Job, bound: Walk, resume: bool) -> Iterator[None]:
+def at_work(job: Job, bound: Moving, resume: bool) -> Iterator[None]:
     """Lock the folder beside the output during the computation, so that no other process uses it.
 
     Raises `ResultError` if it is locked, or if an ensemble at `job.out` must not be resumed.
@@ -175,8 +175,13 @@ def stored(job: Job) -> Samples:
 
 
 def chunk_of(arrays: Samples, name: str, *at: int) -> str:
-    """Return the file name of an array's chunk in the store, with the chunk indices `at`."""
-    return f"{name}/{arrays[name].metadata.encode_chunk_key(at)}"
+    """Return the file name of an array's chunk in the store, with the chunk indices `at`.
+
+    Indices that are left out are 0.
+    """
+    array = arrays[name]
+    at = (*at, *[0] * (array.ndim - len(at)))
+    return f"{name}/{array.metadata.encode_chunk_key(at)}"
 
 
 def sums_of(begun: Mapping[str, Any] | None) -> dict[str, str]:
@@ -204,7 +209,7 @@ class Trajectories:
     waiting = 0
     """number of finished blocks waiting for earlier ones; always 0 here, unlike `Joined.waiting`"""
 
-    def __init__(self, job: Job, bound: Walk) -> None:
+    def __init__(self, job: Job, bound: Moving) -> None:
         """Create the arrays or the store, or open an existing store and find its missing blocks."""
         self.job, self.bound = job, bound
         self.missing = list(range(job.blocks))
@@ -308,7 +313,7 @@ class Trajectories:
         self.sums |= sums_of(begun)
         lacking = (
             w for w in windows
-            if not all(self._whole(name, index, w, 0) for name in names)
+            if not all(self._whole(name, index, w) for name in names)
             or not self._filmed(index, w)
         )  # fmt: skip
         reached = next(lacking, len(windows))
@@ -328,8 +333,8 @@ class Trajectories:
         length = self.arrays[SEEN].chunks[1]
         found = True
         for chunk in range(ended[0] // length, -(-ended[1] // length)):
-            if not self._whole(SEEN, index, chunk, 0):  # a damaged chunk cannot be extended
-                self._chunk(SEEN, index, chunk, 0).unlink(missing_ok=True)
+            if not self._whole(SEEN, index, chunk):  # a damaged chunk cannot be extended
+                self._chunk(SEEN, index, chunk).unlink(missing_ok=True)
                 found = False
         return found
 
@@ -351,10 +356,13 @@ class Trajectories:
     def _variables(self) -> Iterator[tuple[str, tuple[str, ...], tuple[int, ...], Attributes]]:
         """Yield name, dimensions, shape and attributes of each array of the result."""
         n, samples = self.job.trajectories, self.job.cuts[-1]
-        for name in self.bound.shown.blocks:
+        shown = self.bound.shown
+        among = ("bead",) if shown.bodies > 1 else ()
+        for name in shown.blocks:
             each = QUANTITIES[name]
             yield (
-                name, ("trajectory", "time", each.dimension), (n, samples, len(each.columns)),
+                name, ("trajectory", "time", *among, each.dimension),
+                (n, samples, *shown.shape[:-1], len(each.columns)),
                 {"units": each.unit, "long_name": each.long_name},
             )  # fmt: skip
         if (exposure := self.bound.exposure) is not None:
@@ -382,6 +390,9 @@ class Trajectories:
         for name in self.bound.shown.blocks:
             each = QUANTITIES[name]
             found[each.dimension] = each.dimension, *each.coordinate
+        if self.bound.shown.bodies > 1:
+            names = np.array(self.bound.scene.bead_names)
+            found["bead"] = "bead", names, {"long_name": "name of the bead"}
         if (exposure := self.bound.exposure) is not None:
             middle = "time since release, middle of the exposure"
             about = {"units": "s", "long_name": middle}
@@ -401,7 +412,7 @@ class Trajectories:
         window = self.job.cuts[1]
         if name == SEEN:
             window = -(-shape[1] // (len(self.job.cuts) - 1))
-        return tuple(map(min, shape, (self.job.block, window, shape[-1])))
+        return tuple(map(min, shape, (self.job.block, window, *shape[2:])))
 
     def _create(self, out: Path) -> None:
         """Create the Zarr store without samples; raises `ResultError` if the disk is too full."""
@@ -443,7 +454,7 @@ class Joined:
     arrays = None
     """None, because no trajectories are stored; corresponds to `Trajectories.arrays`"""
 
-    def __init__(self, job: Job, bound: Walk) -> None:
+    def __init__(self, job: Job, bound: Moving) -> None:
         """Start without blocks, or with the joined blocks that an interrupted ensemble saved."""
         self.job, self.attributes = job, attributes_of(job, bound)
         self.identity = identity_of(job, bound)

@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 
 from tweezer.dynamics.layout import POSITION, Layout
 from tweezer.dynamics.mirror import AT_MIRROR
-from tweezer.dynamics.walk import Walk, walk
+from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.job import SEEN, SIGNAL, Job, found_of, identity_of, plan_of
+from tweezer.ensembles.motion import Moving, moving
 from tweezer.ensembles.scheduler import PATIENCE, client_of
 from tweezer.ensembles.statistics import Statistics
 from tweezer.ensembles.store import (
@@ -66,7 +67,7 @@ class Pool:
 
 
 @contextlib.contextmanager
-def threads(job: Job, bound: Walk, workers: int) -> Iterator[Pool]:
+def threads(job: Job, bound: Moving, workers: int) -> Iterator[Pool]:
     """Provide a pool of `workers` threads of this process; `bound` is the walk of the scene."""
     stopped = threading.Event()
     with ThreadPoolExecutor(workers) as executor:
@@ -133,12 +134,12 @@ def _block_there(job: Job, run: Path, index: int) -> Gathered | None:
 
 
 @functools.lru_cache(maxsize=2)
-def _walk_of(scene: str, seed: int) -> Walk:
+def _walk_of(scene: str, seed: int) -> Moving:
     """Return the thermal motion of a scene (JSON), ready to be simulated with this seed.
 
     It is cached, so that a worker prepares it once for all its blocks of trajectories.
     """
-    return walk(Scene.model_validate_json(scene), seed)
+    return moving(Scene.model_validate_json(scene), seed)
 
 
 @dataclass
@@ -149,7 +150,7 @@ class _Output:
     """description of the ensemble"""
     index: int
     """number of the block"""
-    bound: Walk
+    bound: Moving
     """equations of motion and times of samples"""
     identity: str
     """digest of the ensemble, by which its checkpoints are recognised"""
@@ -187,7 +188,7 @@ class _Output:
             whole = self.written // length
             ended = -(-self.written // length) if self.written == most else whole
             for chunk in range(first // length, ended):
-                self._note(SEEN, self.index, chunk, 0)
+                self._note(SEEN, self.index, chunk)
 
     def write_window(self, window: int, samples: Array, lost: Array) -> None:
         """Write the samples of a window and, after the last window, the times of loss.
@@ -201,7 +202,7 @@ class _Output:
         layout = self.bound.shown
         for name in layout.blocks:
             self.arrays[name][self.members, first:end] = samples[..., layout.at(name)]
-            self._note(name, self.index, window, 0)
+            self._note(name, self.index, window)
         if (scene := self.bound.scene).detector is not None:
             from tweezer.dynamics.detector import Signals
 
@@ -209,7 +210,7 @@ class _Output:
             signals = Signals.of(scene, self.job.seed, self.bound.times)
             places = np.ascontiguousarray(samples[..., layout.at("position")])
             self.arrays[SIGNAL][self.members, first:end] = signals.recorded(places, members, first)
-            self._note(SIGNAL, self.index, window, 0)
+            self._note(SIGNAL, self.index, window)
         self.write_frames()
         if window == len(self.job.cuts) - 2:
             self.arrays["lost_time"][self.members] = lost
@@ -237,7 +238,7 @@ class _Output:
 def _block(
     job: Job,
     index: int,
-    bound: Walk,
+    bound: Moving,
     arrays: Samples | None,
     stopped: Callable[[], bool],
     parts: dict[int, float],
@@ -256,13 +257,13 @@ def _block(
     identity = identity_of(job, bound)
     layout, statistics = bound.shown, None
     if job.skipped is not None:
-        layout = Layout({"position": layout.blocks["position"]})
+        layout = Layout({"position": layout.blocks["position"]}, layout.bodies)
         statistics = Statistics(plan_of(bound, job.skipped))
     elif arrays is None:
         arrays = stored(job)
     window, states = 0, bound.start(trajectories)
     sums: dict[str, str] = {}  # checksums of the written chunks, by file name
-    before = np.empty((len(trajectories), 0, layout.width))  # samples of the current window
+    before = np.empty((len(trajectories), 0, *layout.shape))  # samples of the current window
     if job.out is not None and (begun := kept(job, index, identity)):
         window, states, before = int(begun["window"]), begun["states"], begun["held"]
         sums = sums_of(begun)
@@ -273,7 +274,7 @@ def _block(
     windows = len(job.cuts) - 1
     for i in range(window, windows):
         first, end = job.cuts[i], job.cuts[i + 1]
-        samples = np.empty((len(trajectories), end - first, layout.width))
+        samples = np.empty((len(trajectories), end - first, *layout.shape))
         samples[:, : before.shape[1]] = before
         last = first + before.shape[1]
         before = before[:, :0]
@@ -304,7 +305,7 @@ def _block(
 
 
 def _advance(
-    bound: Walk,
+    bound: Moving,
     states: Array,
     trajectories: NDArray[np.int64],
     first: int,
@@ -318,12 +319,12 @@ def _advance(
     followed, if `filmed`, by the camera frames that end during it, (trajectories, frames, axes).
     `states` of the walk are updated. The numbers of the `trajectories` determine their noise.
     """
-    n, width = len(trajectories), bound.shown.width
+    n = len(trajectories)
     if first == 0:
         yield 0, _in_the_body(bound, bound.seen(states)[:, None].copy()), np.empty((n, 0, 0))
     most = max(1, min(_PIECE_SAMPLES, _PIECE_STEPS // bound.per_sample) // n)
     for at in range(max(1, first), end, most):
-        piece = np.empty((n, min(most, end - at), width))
+        piece = np.empty((n, min(most, end - at), *bound.shown.shape))
         seen = np.empty((n, 0, 0))
         if filmed:
             seen = bound.filmed(states, trajectories, at - 1, piece)
@@ -335,13 +336,13 @@ def _advance(
         yield at, _in_the_body(bound, piece), seen
 
 
-def _in_the_body(bound: Walk, samples: Array) -> Array:
+def _in_the_body(bound: Moving, samples: Array) -> Array:
     """Return samples (..., columns) with the angular velocity about the axes of the body.
 
     It is converted in place from the form that the walk integrates. NaN after a loss remain NaN.
     """
     held = ~np.isnan(samples[..., POSITION.start])
-    if "angular_velocity" in bound.shown and held.any():
+    if isinstance(bound, Walk) and "angular_velocity" in bound.shown and held.any():
         columns = bound.shown.at("angular_velocity")
         samples[held, columns] = bound.motion(samples[held]).angular_velocity
     return samples

@@ -31,8 +31,10 @@ def ensemble_figure(ensemble: xr.Dataset) -> Figure:
 
     ensemble: result of `tweezer.ensemble`, with trajectories or of statistics alone. Trajectories
     give the distribution at the end, statistics that over all samples of the stationary part.
-    Raises `ResultError` if no trajectory is computed.
+    Raises `ResultError` if no trajectory is computed, and for several beads.
     """
+    if "bead" in ensemble.dims:
+        raise ResultError("ensemble: has several beads; select one by isel(bead=0, drop=True)")
     figure = style.new(style.PAGE, 5.2)
     names = ["x", "y", "z"]
     over_time, beside = figure.subfigures(1, 2, squeeze=False)[0]

@@ -120,7 +120,7 @@ def _start_in_the_medium(scene: Description) -> None:
                 f"{cover.depth:.3g} m before the focus, by more than its radius"
             )
     distance = math.hypot(x, y, z) + ball
-    if distance >= scene.simulation.loss_distance:
+    if distance >= scene.simulation.loss_distance and not scene.more_beads:
         to = "and its ball reach to" if ball else "is"
         raise refusal(
             f"{given}: {to} {distance:.3g} m from the focus; must be nearer than "

@@ -380,7 +380,11 @@ class Scene(Description):
             kind = kind_of(section)
             there = every.get(kind, [])
             if section == kind and len(there) > 1 and not isinstance(changes, list | tuple):
-                key = ".".join([kind, *changes][:2]) if isinstance(changes, Mapping) else kind
+                key = (
+                    ".".join([kind, *map(str, changes)][:2])
+                    if isinstance(changes, Mapping)
+                    else kind
+                )
                 raise SceneError(
                     f"{key}: does not name a {kind}; the scene has {numbered(there, kind)}"
                 )

@@ -72,6 +72,15 @@ def _apart(scene: Description) -> None:
                     f"tether[{i}].point = {list(tether.point)}: is inside its bead at the start; "
                     "must be outside"
                 )
+    foci = [beam.position for beam in scene.beams] if scene.forces.optical else [(0.0, 0.0, 0.0)]
+    for i, bead in enumerate(scene.beads, start=1):
+        apart = min(math.dist(bead.start or (), focus) for focus in foci)
+        if apart >= scene.simulation.loss_distance:
+            raise refusal(
+                f"bead[{i}].start = {list(bead.start or ())}: is {apart:.3g} m from the nearest "
+                f"focus; must be nearer than simulation.loss_distance = "
+                f"{scene.simulation.loss_distance:.3g} m"
+            )
     for i, j in pairs(len(scene.beads)):
         a, b = scene.beads[i], scene.beads[j]
         if max(a.radius, b.radius) > LARGEST_RATIO * min(a.radius, b.radius):

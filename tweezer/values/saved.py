@@ -72,6 +72,10 @@ class Kind(NamedTuple):
 KINDS = (
     Kind("light", "the light of a scene", ("scene", "gradient", "light_time")),
     Kind("sweep", "a sweep", ("scene", "over", "outcome"), "sweep", True),
+    Kind("beads statistics", "statistics of an ensemble of several beads",
+         ("scene", "stationary_mean", "bead")),
+    Kind("beads ensemble", "an ensemble of several beads",
+         ("scene", "trajectory", "position", "bead")),
     Kind("statistics", "statistics of an ensemble", ("scene", "stationary_mean"), "ensemble", True),
     Kind("ensemble", "an ensemble", ("scene", "trajectory", "position"), "ensemble", True),
     Kind("heights", "a trap over heights", ("scene", "height", "equilibrium")),
