@@ -123,7 +123,6 @@ def test_tether_and_force_between_are_refused_for_one():
     "call",
     [
         tweezer.characterise, tweezer.bead_properties, tweezer.bind, tweezer.light, tweezer.medium,
-        lambda scene: tweezer.ensemble(scene, 2),
         lambda scene: tweezer.optical_force(scene, [0, 0, 0]),
     ],
 )  # fmt: skip
