@@ -44,6 +44,11 @@ NOT_RUN = {
     ".venv/bin/python -m pip install --editable .": "make demo",
     ".venv/bin/tweezer run thesis-990nm --plot thesis-990nm.png": "make demo",
     "pip install .": "make demo, tests/environments.py",
+    "conda env create --file environment.yml": "wants conda and the network; tests/test_recipes.py",
+    "conda activate tweezer": "the same",
+    "podman build --tag tweezer .": "wants podman and the network; tests/test_recipes.py",
+    'podman run --rm --volume tweezer:/cache --volume "$PWD":/data tweezer run silica-1um': "wants "
+    "podman",
     '.venv/bin/python -m pip install --editable ".[notebooks]" jupyterlab': "wants the network",
     ".venv/bin/jupyter lab notebooks": "opens a browser and goes on",
     "tweezer sweep silica-1um --over bead.diameter=0.2um..3um:40:log "
