@@ -1,5 +1,6 @@
 from .beads.correlations import cross_correlation, cross_spectrum
 from .calibration import Calibration, Surface, calibrate, find_wall, potential
+from .calibration.pair import PairCalibration, calibrate_pair
 from .comparison import Comparison, compare
 from .dynamics import Event, bind, capture, chosen, flip
 from .ensembles import escape_times
@@ -78,6 +79,7 @@ __all__ = [
     "Lifetime",
     "MediumProperties",
     "Optimum",
+    "PairCalibration",
     "PhysicsWarning",
     "QuantitiesLike",
     "QuantityLike",
@@ -104,6 +106,7 @@ __all__ = [
     "bead_properties",
     "bind",
     "calibrate",
+    "calibrate_pair",
     "capture",
     "chain_force",
     "characterise",
