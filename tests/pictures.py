@@ -34,6 +34,8 @@ THUMBNAILS = {
     "three-foci": 0.4,
     "levitated-200nm": 0.2,
     "polymer-solution": 0.02,
+    "dna-between-beads": 0.9,
+    "dumbbell": 0.15,
 }
 #: how many times the key I enlarges the view of a thumbnail; 0 if not listed
 NEARER = {"flipping-rod": 4}

@@ -364,8 +364,10 @@ def test_shipped_scenes_load_without_a_warning():
     of_bodies = {"flipping-rod"}
     of_pupils = {"astigmatic-trap", "optical-conveyor", "three-foci"}
     of_media = {"levitated-200nm", "polymer-solution"}
+    of_several_beads = {"two-beads", "dna-between-beads", "dumbbell"}
     assert set(shipped_scenes()) == {
-        *OF_THE_BEAD, *of_waves, *of_several_beams, *of_bodies, *of_pupils, *of_media
+        *OF_THE_BEAD, *of_waves, *of_several_beams, *of_bodies, *of_pupils, *of_media,
+        *of_several_beads,
     }  # fmt: skip
     with warnings.catch_warnings(action="error"):
         for name, path in shipped_scenes().items():

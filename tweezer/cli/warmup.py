@@ -28,8 +28,11 @@ def usual_scenes(scene: Scene) -> list[Scene]:
 
     A scene with the thesis's grid also has the variant with the torque (3.25), which `tweezer
     reproduce` runs and in which the bead rotates. Its thermal motion from the map is unscaled. A
-    scene with a body that is not a sphere has the variant without thermal motion.
+    scene with a body that is not a sphere has the variant without thermal motion. A scene with
+    several beads has no variants.
     """
+    if scene.more_beads:
+        return [scene]
     if scene.bead.shape != "sphere":
         quiet = {"forces": {"brownian": False}, "simulation": {"model": "full"}}
         return [scene, scene.replace(**quiet)]
@@ -50,9 +53,13 @@ def usual_scenes(scene: Scene) -> list[Scene]:
 def warm_up(scene: Scene) -> None:
     """Compile what runs, ensembles, traps and fits of a scene need, unless it is compiled already.
 
-    A scene that reads its force from a map also gets the map, unless it exists.
+    A scene that reads its force from a map also gets the map, unless it exists. A scene with
+    several beads gets what its runs need.
     """
     with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
+        if scene.more_beads:
+            simulate(scene.replace(simulation={"duration": _MOMENT, "samples": 2}))
+            return
         one_beam = scene.with_one_beam(scene.beam)
         lights: list[LightForce | Beams] = [light_of_one_beam(one_beam)]
         if scene.lit:

@@ -1,20 +1,17 @@
-"""The scenes of several beads in the documentation."""
-
-from pathlib import Path
+"""The shipped scenes of several beads."""
 
 import numpy as np
 import pytest
 
 import tweezer
 
-EXAMPLES = sorted((Path(__file__).parents[2] / "docs/examples").glob("*.toml"))
+SCENES = [name for name in tweezer.shipped_scenes() if tweezer.load_scene(name).more_beads]
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("name", SCENES)
 @pytest.mark.filterwarnings("error")
-def test_examples_run_and_stay_in_their_traps(path):
-    scene = tweezer.load_scene(path)
-    assert scene.name == path.stem
+def test_shipped_scenes_of_several_beads_run_and_stay_in_their_traps(name):
+    scene = tweezer.load_scene(name)
     run = tweezer.simulate(scene.replace(simulation={"duration": "1 ms", "samples": 11}), seed=1)
     assert run.attrs["status"] == "complete"
     foci = np.array([beam.position for beam in scene.beams])
