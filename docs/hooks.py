@@ -384,17 +384,20 @@ def scene_reference() -> dict[str, str]:
         key: of for key, of in schema["properties"].items()
         if not _section_of(of) and key not in named
     }  # fmt: skip
-    tables = {}
+    tables, headings = {}, {}
     for name, of in schema["properties"].items():
-        if name not in top:  # a list of sections, such as [[tether]], has its section in the items
-            section = _section_of(of) or _section_of(of["items"])
-            tables[name] = _section_tables(name, schema["$defs"][section], schema["$defs"])
+        if name not in top:
+            section, headings[name] = _section_of(of), f"[{name}]"
+            if not section:  # a list, such as [[tether]], has its section in the items
+                section, headings[name] = _section_of(of["items"]), f"[[{name}]]"
+            keys = schema["$defs"][section]
+            tables[name] = _section_tables(headings[name], name, keys, schema["$defs"])
     introduction = [
         "A scene is a TOML file with sections and keys. `tweezer scenes` prints the paths of the "
         "shipped scenes. A value is a number in the named unit, or text with any unit convertible "
         'to it, such as `"500 nm"`. A key without a default is required. This page is made from '
         "the schema that reads the files.", "",
-        *(f"- {', '.join(f'`[{name}]`' for name in names.split())}: [{title}]({uri})"
+        *(f"- {', '.join(f'`{headings[name]}`' for name in names.split())}: [{title}]({uri})"
           for uri, (title, names) in KEYS.items()),
         "", "## At the top", "", *_rows("", top, schema["required"]),
     ]  # fmt: skip
@@ -409,9 +412,11 @@ def scene_reference() -> dict[str, str]:
     return pages
 
 
-def _section_tables(name: str, section: dict[str, Any], definitions: dict[str, Any]) -> list[str]:
+def _section_tables(
+    heading: str, name: str, section: dict[str, Any], definitions: dict[str, Any]
+) -> list[str]:
     """Return the tables of a section and of the sections within it."""
-    lines = _table(f"[{name}]", name, section)
+    lines = _table(heading, name, section)
     for key, nested in section["properties"].items():
         named = f"{name}.{key}"
         if within := _section_of(nested):
