@@ -164,6 +164,28 @@ def test_error_contains_all_higher_degrees(monkeypatch):
     assert found.attrs["degree"] < 30
 
 
+@pytest.mark.parametrize(("scale", "known"), [(5, True), (40, False)])
+def test_attribute_of_runs_is_within_two_percent_or_not_known(monkeypatch, scale, known):
+    """The force by waves up to the degree n deviates by e^(-n/scale); n is 45 at most."""
+    degrees = []
+
+    def scattered(of, degree):
+        degrees.append(degree)
+        return np.full((2, 3), 1e-12 * (1 - np.exp(-degree / scale)))
+
+    monkeypatch.setattr(mutual.Spheres, "scattered", scattered)
+    scene = traps(1.02)
+    largest = mutual_scattering.largest_scattered(
+        scene, np.array([[-0.51, 0, 0], [0.51, 0, 0]]) * UM
+    )
+    if known:
+        assert largest == pytest.approx(np.sqrt(3) * 1e-12, rel=0.02)
+        assert max(degrees) < 40
+    else:
+        assert np.isnan(largest)
+    assert max(degrees) <= 45
+
+
 def test_remainder_of_a_series_is_at_least_its_sum():
     """Twice the geometric series of the last two changes, or the last change."""
     before, change = np.array([1.0, 1.0, 1.0, 0.0]), np.array([0.5, 0.1, 1.0, 0.0])

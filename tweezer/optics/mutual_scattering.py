@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 #: Largest error that is reported, over the largest force by mutual scattering
 _TRUSTED = 0.02
+#: Highest degree of partial waves for the attribute of runs
+_MOST = 45
 #: Error that is always reported, as a part of n_m P/c
 _NOTHING = 1e-9
 
@@ -155,10 +157,11 @@ def _without(scene: Scene, places: Array) -> tuple[Array, Array, Array]:
     return np.array(force), np.array(stiffness), np.array(error)
 
 
-def _scattered(scene: Scene, places: Array) -> tuple[Array, Array, int]:
+def _scattered(scene: Scene, places: Array, **limits: float) -> tuple[Array, Array, int]:
     """Return the force by mutual scattering (beads, 3) N, its error (beads,) N, and the degree.
 
-    Raises `SceneError` if the force does not converge.
+    limits: error and degree at which the series ends, see `scattered_force`. Raises `SceneError` if
+    the force does not converge.
     """
     alone = [scene.alone(number) for number in range(1, len(places) + 1)]
     found: dict[tuple[float, tuple[Shells, ...]], list[tuple[Path, ...]]] = {}
@@ -168,7 +171,7 @@ def _scattered(scene: Scene, places: Array) -> tuple[Array, Array, int]:
             shells = tuple(paths[0].light.shells for paths in each_bead)
             found.setdefault((each_bead[0][0].light.wavenumber, shells), []).append(each_bead[0])
     lights = [Spheres(tuple(paths), shells, places) for (_, shells), paths in found.items()]
-    force, error, degree = scattered_force(lights)
+    force, error, degree = scattered_force(lights, **limits)
     largest = float(np.linalg.norm(force, axis=1).max())
     strength = sum(each.strength for each in lights)
     if not error.max() <= max(_TRUSTED * largest, _NOTHING * strength):
@@ -180,17 +183,17 @@ def _scattered(scene: Scene, places: Array) -> tuple[Array, Array, int]:
 
 
 def largest_scattered(scene: Scene, places: Array) -> float:
-    """Return the largest force by mutual scattering on one of two beads, N.
+    """Return the largest force by mutual scattering on one of two beads, within 2 %, N.
 
-    places: (beads, 3) m. It is NaN for more beads, for ray optics and where the force does not
-    converge.
+    places: (beads, 3) m. It is NaN for more beads, for ray optics, and where waves up to the degree
+    45 do not suffice, which bounds the time.
     """
     if not scene.lit:
         return 0.0
     if len(places) > 2 or any(scene.alone(number).theory == "rays" for number in (1, 2)):
         return math.nan
     try:
-        force, _, _ = _scattered(scene, places)
+        force, _, _ = _scattered(scene, places, wanted=_TRUSTED, most=_MOST)
     except SceneError:
         return math.nan
     return float(np.linalg.norm(force, axis=1).max())

@@ -17,6 +17,7 @@ identities, and their solution takes a few iterations.
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -40,7 +41,7 @@ _SMALL = 1e-6
 _MORE, _PART = 4, 4
 #: Relative error of the solution of the equations, and the largest number of iterations
 _SOLVED, _ITERATIONS = 1e-12, 300
-#: Error at which the series ends, over the largest scattered force
+#: Error at which the series ends by default, over the largest scattered force
 _WANTED = 1e-5
 #: Largest memory for the translations between the spheres, in bytes
 _MEMORY = 3e8
@@ -189,7 +190,9 @@ def _force(p: Complex, t: Complex) -> Array:
     return -np.einsum("jkmn,ijkmn->ji", (2 * p + t).conj(), directed(t)).real
 
 
-def scattered_force(lights: Sequence[Spheres]) -> tuple[Array, Array, int]:
+def scattered_force(
+    lights: Sequence[Spheres], *, wanted: float = _WANTED, most: float = math.inf
+) -> tuple[Array, Array, int]:
     """Return the additional force on spheres by mutual scattering, its error and the degree.
 
     The degree is raised until the force converges. The error is twice the geometric series of its
@@ -199,6 +202,10 @@ def scattered_force(lights: Sequence[Spheres]) -> tuple[Array, Array, int]:
     ----------
     lights : sequence of Spheres
         The spheres in each light; the lights do not interfere.
+    wanted : float, optional
+        Error at which the series ends, over the largest scattered force.
+    most : float, optional
+        Largest degree of partial waves. Default: limited by the memory alone.
 
     Returns
     -------
@@ -213,7 +220,7 @@ def scattered_force(lights: Sequence[Spheres]) -> tuple[Array, Array, int]:
     floor = FLOOR * sum(each.strength for each in lights)
     force, degree = np.zeros((count, 3)), 0
     error = before = change = np.full(count, np.inf)
-    for more in _degrees(max(each.least for each in lights), count):
+    for more in _degrees(max(each.least for each in lights), count, most):
         found = np.sum([each.scattered(more) for each in lights], axis=0)
         if not np.isfinite(found).all():
             break
@@ -222,16 +229,16 @@ def scattered_force(lights: Sequence[Spheres]) -> tuple[Array, Array, int]:
         force, degree = found, more
         if np.isfinite(before).all():
             error = floor + _remainder(before, change)
-            if error.max() <= max(_WANTED * np.linalg.norm(force, axis=1).max(), 2 * floor):
+            if error.max() <= max(wanted * np.linalg.norm(force, axis=1).max(), 2 * floor):
                 break
         before = change
     return force, error, degree
 
 
-def _degrees(least: int, count: int) -> Iterator[int]:
-    """Yield increasing degrees, whose translations between `count` spheres fit into memory."""
+def _degrees(least: int, count: int, most: float) -> Iterator[int]:
+    """Yield degrees up to `most`, whose translations between `count` spheres fit into memory."""
     degree = least
-    while 16 * count * (count - 1) * (degree + 1) ** 4 < _MEMORY:
+    while degree <= most and 16 * count * (count - 1) * (degree + 1) ** 4 < _MEMORY:
         yield degree
         degree += max(_MORE, degree // _PART)
 
