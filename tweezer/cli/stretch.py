@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -35,6 +36,14 @@ def stretch(
     windows: Annotated[
         int, typer.Option(help="Number of windows of time that are averaged.", min=5)
     ] = 40,
+    recording: Annotated[
+        Path | None,
+        typer.Option(
+            help='Text file of an experiment with the columns "extension [nm]" and "force [pN]", '
+            "at equal intervals, to use instead of a simulation.",
+            metavar="FILE",
+        ),
+    ] = None,
     set: Changes = None,
     out: JsonFile = None,
     overwrite: Overwrite = False,
@@ -44,7 +53,8 @@ def stretch(
     """Stretch the molecule between two beads.
 
     The command simulates SCENE, in which a beam moves and pulls the beads apart, and fits contour
-    length and persistence length to the force-extension curve.
+    length and persistence length to the force-extension curve. With --recording it fits the curve
+    of an experiment, with the law, stretch modulus and temperature of SCENE.
     """
     begin(details=details, quiet=quiet)
     described = scene_with(scene, settings_of(set or []))
@@ -52,7 +62,7 @@ def stretch(
     from tweezer.tracking.stretching import stretch as stretched
 
     with showing_progress(described.name):
-        found = stretched(described, seed, windows)
+        found = stretched(described, seed, windows, recording=recording)
     print_card(found.fit.card())
     if out:
         curve = ("extension", "extension_error", "force", "force_error", "width")

@@ -1,4 +1,4 @@
-"""Stretching of a molecule between two beads: a simulated experiment, and its evaluation.
+"""Stretching of a molecule between two beads: an experiment, simulated or recorded.
 
 One trap holds a bead, and the other one pulls the second bead away. The molecule between them
 stretches. Its tension is the force of the light on the bead that is held, along the line between
@@ -12,6 +12,7 @@ the means.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +22,7 @@ from tweezer.forces.chains import Chain, chain
 from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.scene.arguments import check_thermal
 from tweezer.tracking.chain_fit import ChainFit, fit_chain
+from tweezer.tracking.curve_file import read_curve
 from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError, SceneError
 
@@ -52,12 +54,20 @@ class Stretched:
     """(windows,) standard deviation of the distance about its course, m"""
     fit: ChainFit
     """contour length and persistence length with intervals"""
-    run: Run
-    """the simulated motion"""
+    run: Run | None
+    """the simulated motion; None for a recording"""
 
 
-def stretch(scene: SceneLike, seed: int = 0, windows: int = WINDOWS) -> Stretched:
+def stretch(
+    scene: SceneLike,
+    seed: int = 0,
+    windows: int = WINDOWS,
+    *,
+    recording: str | Path | None = None,
+) -> Stretched:
     """Simulate the stretching of a molecule between two beads, and fit its law to the result.
+
+    With a recording, its extensions and forces take the place of the simulated ones.
 
     Parameters
     ----------
@@ -67,6 +77,11 @@ def stretch(scene: SceneLike, seed: int = 0, windows: int = WINDOWS) -> Stretche
         Seed of the thermal motion.
     windows : int, optional
         Number of windows of time over which force and extension are averaged.
+    recording : str or Path, optional
+        Text file with the columns "extension" and "force" of an experiment, with units in their
+        headings, at equal intervals of time and without gaps. The extension is the distance
+        between the ends of the molecule. The scene then gives the law, its stretch modulus and
+        the temperature.
 
     Returns
     -------
@@ -87,16 +102,33 @@ def stretch(scene: SceneLike, seed: int = 0, windows: int = WINDOWS) -> Stretche
     """
     scene = checked_scene(scene, several=True)
     tether = _molecule(scene)
+    if recording is not None:
+        extension, force = read_curve(recording)
+        _check_windows(windows, len(extension))
+        return _evaluated(scene, tether, extension, force, windows, None)
+    if not scene.light_moves:
+        raise SceneError("beam.motion: stretching requires a beam that moves, such as a ramp")
     check_thermal(scene, seed)
-    if not 5 <= windows <= scene.simulation.samples // _FEWEST:
-        raise SceneError(
-            f"windows = {windows}: allowed: from 5 to {scene.simulation.samples // _FEWEST}, so "
-            f"that each has {_FEWEST} samples"
-        )
+    _check_windows(windows, scene.simulation.samples)
     run = run_of(scene, seed)
     if run.attributes["status"] != "complete":
         raise ResultError(f"{scene.name}: {run.attributes['message']}")
-    extension, force = run["gap"][:, 0], _tension(scene, run)
+    return _evaluated(scene, tether, run["gap"][:, 0], _tension(scene, run), windows, run)
+
+
+def _check_windows(windows: int, samples: int) -> None:
+    """Raise `SceneError` if there are too few windows, or too few samples in each of them."""
+    if not 5 <= windows <= samples // _FEWEST:
+        raise SceneError(
+            f"windows = {windows}: allowed: from 5 to {samples // _FEWEST}, so that each has "
+            f"{_FEWEST} samples"
+        )
+
+
+def _evaluated(
+    scene: Scene, tether: Tether, extension: Array, force: Array, windows: int, run: Run | None
+) -> Stretched:
+    """Return the averages of extension and force over windows, with the fit of the law."""
     means = np.array([
         _window(extension[part], force[part])
         for part in np.array_split(np.arange(len(extension)), windows)
@@ -129,8 +161,6 @@ def _molecule(scene: Scene) -> Tether:
         raise SceneError("tether: stretching requires one chain between the two beads")
     if scene.forces.between is not None:
         raise SceneError("forces.between: acts beside the molecule; remove it")
-    if not scene.light_moves:
-        raise SceneError("beam.motion: stretching requires a beam that moves, such as a ramp")
     return scene.tether[0]
 
 
