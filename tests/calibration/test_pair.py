@@ -1,7 +1,5 @@
 """Calibration of two traps with coupled beads, against exact Ornstein-Uhlenbeck processes."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scipy.linalg import expm
@@ -137,8 +135,9 @@ def test_wrong_distance_or_sign_of_a_detector_is_found(change):
 
 
 def test_simulated_run_recovers_the_stiffness_of_each_trap():
-    path = Path(__file__).parents[2] / "docs/examples/two-beads.toml"
-    scene = tweezer.load_scene(path).replace(simulation={"duration": "0.2 s", "samples": 4001})
+    scene = tweezer.load_scene("two-beads").replace(
+        simulation={"duration": "0.2 s", "samples": 4001}
+    )
     run = tweezer.simulate(scene, seed=3)
     found = tweezer.calibrate_pair(
         run.position.sel(axis="x").values, interval="50 us", distance="3 um", radius_1=A,
