@@ -25,6 +25,7 @@ from rich.console import Console
 
 import tweezer
 from tweezer import cli
+from tweezer.beads.thermal import Coupled
 from tweezer.cli import warmup
 from tweezer.cli.warmup import usual_scenes
 from tweezer.compiled import cache, compilation, compiling, fingerprint, named_njit
@@ -333,10 +334,12 @@ def test_time_is_counted_once(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("stepping", "brownian"), [(Walk.filmed, True), (Solver.advance, False)], ids=["walk", "solver"]
-)
-def test_stepping_is_without_compiling(monkeypatch, stepping, brownian):
-    now = 0.0
+    ("of", "name", "scene", "brownian"),
+    [(Walk, "filmed", "silica-1um", True), (Solver, "advance", "silica-1um", False),
+     (Coupled, "take_steps", "two-beads", True)], ids=["walk", "solver", "several beads"],
+)  # fmt: skip
+def test_stepping_is_without_compiling(monkeypatch, of, name, scene, brownian):
+    now, stepping = 0.0, getattr(of, name)
 
     def compiles_first(*arguments):
         nonlocal now
@@ -346,10 +349,9 @@ def test_stepping_is_without_compiling(monkeypatch, stepping, brownian):
         return stepping(*arguments)
 
     monkeypatch.setattr("time.perf_counter", lambda: now)
-    of = Walk if brownian else Solver
-    monkeypatch.setattr(of, stepping.__name__, compiles_first)
+    monkeypatch.setattr(of, name, compiles_first)
     run = tweezer.simulate(
-        tweezer.load_scene("silica-1um").replace(
+        tweezer.load_scene(scene).replace(
             forces={"brownian": brownian}, simulation={"duration": "1 ms", "samples": 3}
         )
     )
