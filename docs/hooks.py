@@ -72,7 +72,7 @@ KEYS = {
     "scenes.md": ("Scene files", "bead tether medium heat lens beam"),
     "scenes-motion.md": (
         "Scene files: motion and computation",
-        "start wall mirror forces camera detector lock_in optics simulation",
+        "start wall mirror forces camera detector lock_in feedback optics simulation",
     ),
 }  # fmt: skip
 

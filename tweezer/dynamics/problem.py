@@ -30,6 +30,7 @@ from tweezer.fluid import (
 from tweezer.forces.acting import forces_of, try_forces
 from tweezer.forces.buoyancy import BuoyancyTorque
 from tweezer.forces.composed import Sum
+from tweezer.forces.driven import DrivenForce, DrivenLight
 from tweezer.forces.equilibria import (
     Equilibrium,
     NetForce,
@@ -98,7 +99,13 @@ class Problem:
     def force(self) -> Force:
         """Sum of the light's force and the other forces: all but drag, weight and noise."""
         beside = self.beside_the_light
-        return Sum((self.light, *beside)) if beside else self.light
+        light: Force = self.light
+        if (controller := self.scene.feedback) is not None:
+            if controller.acts_on == "force":
+                beside = *beside, DrivenForce()
+            else:
+                light = DrivenLight(light, controller.acts_on == "beam.power")
+        return Sum((light, *beside)) if beside else light
 
     @property
     def beside_the_light(self) -> tuple[Force, ...]:

@@ -187,6 +187,9 @@ def steps_of(problem: Problem, linear: Linearised, fewest: int) -> tuple[float, 
     interval = simulation.duration / (simulation.samples - 1)
     longest, reason = _longest(problem, linear)
     per_sample = max(fewest, math.ceil(interval / longest * (1 - 1e-12)))
+    if (controller := problem.scene.feedback) is not None:  # ticks are at ends of steps
+        apart = max(1, round(interval * controller.rate))
+        per_sample = apart * math.ceil(per_sample / apart)
     if per_sample > _MOST_PER_SAMPLE:
         raise SceneError(_too_many_steps(simulation, longest))
     step = interval / per_sample

@@ -13,7 +13,16 @@ from numpy.typing import NDArray
 
 from tweezer.dynamics.beside_wall import held
 from tweezer.dynamics.body import BodyMotion
-from tweezer.dynamics.brownian import crossing, laser, lock_in, march, memory, noise, propagator
+from tweezer.dynamics.brownian import (
+    crossing,
+    feedback,
+    laser,
+    lock_in,
+    march,
+    memory,
+    noise,
+    propagator,
+)
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
 from tweezer.dynamics.brownian.crossing import Boundary, share
 from tweezer.dynamics.brownian.exposure import HELD
@@ -50,7 +59,7 @@ _MANY_SWINGS = 100.0
 #: Normal numbers of a release without those of the memory, which follow
 _DRAWN = Layout({"position": 3, "velocity": 3, "angular_velocity": 3})
 #: Blocks of a state, besides a sample, that are kept for a continued run
-_HIDDEN = ("memory", "laser")
+_HIDDEN = ("memory", "laser", "drive", "control")
 #: Steps of all beads that are stored for a camera in one pass
 _STEPS_AT_ONCE = 2**17
 
@@ -112,8 +121,8 @@ class Walk:
     @property
     def coefficients(self) -> tuple[Any, ...]:
         """Numbers from which the steps are computed, without addresses of this process."""
-        (*plan, drag, laser, lock_in), (*edge, _, _) = self.plan, self.edge
-        return (*plan, laser, lock_in, drag.data.numbers, *edge, *self.weights)
+        (*plan, drag, laser, lock_in, control), (*edge, _, _) = self.plan, self.edge
+        return (*plan, laser, lock_in, control, drag.data.numbers, *edge, *self.weights)
 
     @functools.cached_property
     def shown(self) -> Layout:
@@ -209,7 +218,8 @@ class Walk:
             v = apart[:, _DRAWN.at("velocity")]
         parts |= {"position": x, "velocity": v, "exposure": np.zeros((n, HELD))}
         parts |= {"laser": np.zeros((n, laser.NUMBERS)), "lost_time": np.full((n, 1), np.inf)}
-        parts |= {"in_phase": np.zeros((n, 3)), "quadrature": np.zeros((n, 3))}
+        parts |= {name: np.zeros((n, 3)) for name in ("in_phase", "quadrature", "drive")}
+        parts |= {"control": np.zeros((n, self.layout.blocks.get("control", 0)))}
         if "orientation" in self.layout:
             e = self.problem.orientation
             w = rotation_matrices(e[None])[0] @ start.angular_velocity
@@ -313,7 +323,7 @@ class Walk:
                 "runs"
             )
         if len(begun.begin.inner) != len(self._kept):
-            raise SceneError("continue_from: beam.noise must be given in both runs or in neither")
+            raise SceneError("continue_from: beam.noise and feedback must be the same in both runs")
         state[self._kept] = begun.begin.inner
 
     @property
@@ -470,7 +480,7 @@ class Walk:
         """Force and steps as arguments of the compiled loop."""
         scheme = self.scheme
         force = bound(self.problem.force, gradient=scheme.gradient)
-        return force, march.steps(scheme, self.layout)
+        return force, march.steps(scheme, self.layout, self.scene.feedback)
 
 
 def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
@@ -510,17 +520,20 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
         late = _LATE * step * float(np.linalg.eigvals(linear.rates).real.max())
     bias = linear.bias * step
     exposure = _exposure(problem, linear, step)
+    plan = _plan(problem, linear, scheme, seed, step, per_sample)
     layout = Layout.of_samples(
         inertial=linear.inertial, rotates=problem.rotates,
         lock_in=problem.scene.lock_in is not None,
     ).followed_by(
         exposure=HELD if exposure else 0, memory=3 * weights.memory.shape[2],
-        laser=laser.NUMBERS if problem.scene.beam.noise else 0, lost_time=1,
+        laser=laser.NUMBERS if problem.scene.beam.noise else 0,
+        drive=0 if problem.scene.feedback is None else 3,
+        control=feedback.width_of(plan.feedback), lost_time=1,
     )  # fmt: skip
     found = Walk(
         problem, seed, "; ".join([*reasons, reason]), step, per_sample,
         np.linspace(0.0, simulation.duration, simulation.samples), layout,
-        _plan(problem, linear, scheme, seed, step, per_sample), weights,
+        plan, weights,
         _boundary(problem, linear, step), exposure, late, bias if bias > _TOLD else None,
     )  # fmt: skip
     forget_faults(problem.force)  # where equilibria were sought
@@ -567,6 +580,7 @@ def _plan(
         seed, step, per_sample, tau, linear.mobility, load, linear.diffusion, linear.centre,
         linear.kT, problem.drag.uniform or walls is not None, resisting,
         _noise_of_laser(problem, linear, step), _lock_in(problem, step),
+        _feedback(problem, linear, step),
     )  # fmt: skip
 
 
@@ -574,6 +588,14 @@ def _lock_in(problem: Problem, step: float) -> Array:
     """Return the data of the lock-in, (0,) without one."""
     amplifier = problem.scene.lock_in
     return np.zeros(0) if amplifier is None else lock_in.data_of(amplifier, step)
+
+
+def _feedback(problem: Problem, linear: Linearised, step: float) -> Array:
+    """Return the data of the controller, (0,) without one."""
+    controller = problem.scene.feedback
+    if controller is None:
+        return np.zeros(0)
+    return feedback.data_of(controller, step, float(linear.tau[0] / linear.mobility[0]))
 
 
 def _noise_of_laser(problem: Problem, linear: Linearised, step: float) -> Array:

@@ -385,7 +385,8 @@ def _number_moved(pose, data, wrench):  # type: ignore[no-untyped-def]
     upside down, and the course of its origin.
     """
     sign = -1.0 if number(data, 1) > 0.0 else 1.0
-    here, place = Pose(pose.time, np.empty_like(pose.position), pose.orientation), np.empty(3)
+    here = Pose(pose.time, np.empty_like(pose.position), pose.orientation, pose.drive)
+    place = np.empty(3)
     for i in range(len(pose.time)):
         course_at(data, 2, pose.time[i], place)
         here.position[i, 0] = pose.position[i, 0] - place[0]
@@ -403,7 +404,7 @@ def _add_moved(pose, data, wrench):  # type: ignore[no-untyped-def]
     """
     force, down = part(data, 0), number(data, 1) > 0.0
     n, gradients = len(pose.time), len(wrench.force_gradient)
-    here = Pose(pose.time, np.empty((n, 3)), pose.orientation.copy())
+    here = Pose(pose.time, np.empty((n, 3)), pose.orientation.copy(), pose.drive)
     found = Wrench(
         np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((gradients, 3, 3)),
         np.zeros((gradients, 3, 3)), np.zeros(n),
@@ -480,7 +481,7 @@ def _add_differences(pose, data, wrench):  # type: ignore[no-untyped-def]
     force, step = part(data, 0), number(data, 1)
     n, none = len(pose.time), np.zeros((0, 3, 3))
     add(force, pose, Wrench(wrench.force, wrench.moment, none, none, wrench.error))
-    beside = Pose(pose.time, pose.position.copy(), pose.orientation)
+    beside = Pose(pose.time, pose.position.copy(), pose.orientation, pose.drive)
     found = Wrench(np.zeros((n, 3)), np.zeros((n, 3)), none, none, np.zeros(n))
     for l in range(3):
         for side in (-1.0, 1.0):

@@ -31,6 +31,8 @@ class Pose(NamedTuple):
     """(n, 3) m from the focus"""
     orientation: Array
     """(n, 4) Euler parameters of length 1; (0, 4) if no rotation is computed"""
+    drive: Array = np.zeros((0, 3))
+    """(n, 3) output of a controller, by axis; (0, 3) without one: see `tweezer.forces.driven`"""
 
 
 class Wrench(NamedTuple):
@@ -180,11 +182,11 @@ def evaluated(
     turned = _NOT_TURNED if orientations is None else _in_memory(orientations)
     times = np.full(len(places), time, np.float64)
     wrench = no_wrench(len(places), gradient=gradient)
-    _entry()(part.kernel, *part.data, times, places, turned, *wrench)
+    _entry()(part.kernel, *part.data, times, places, turned, _NOT_DRIVEN, *wrench)
     return wrench
 
 
-_NOT_TURNED = np.zeros((0, 4))
+_NOT_TURNED, _NOT_DRIVEN = np.zeros((0, 4)), np.zeros((0, 3))
 
 
 def _in_memory(values: Array) -> Array:
@@ -204,11 +206,11 @@ def _entry() -> Any:
 
     @cached_njit(types.void(types.int64, *DATA, *POSE, *WRENCH), nogil=True)
     def enter(  # type: ignore[no-untyped-def]
-        kernel, numbers, shapes, time, position, orientation,
+        kernel, numbers, shapes, time, position, orientation, drive,
         force, moment, force_gradient, moment_gradient, error,
     ):  # fmt: skip
         """Call the kernel at an address with the arrays of its data, pose and wrench."""
-        pose = Pose(time, position, orientation)
+        pose = Pose(time, position, orientation, drive)
         wrench = Wrench(force, moment, force_gradient, moment_gradient, error)
         call(kernel, (pose, Data(numbers, shapes), wrench))
 

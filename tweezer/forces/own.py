@@ -216,6 +216,7 @@ def _add_guarded(pose, data, wrench):  # type: ignore[no-untyped-def]
     function = part(data, 0)
     force, moment, error = wrench.force, wrench.moment, wrench.error
     n, turned, gradients = len(pose.time), len(pose.orientation), len(wrench.force_gradient)
+    driven = len(pose.drive)
     memory = on_stack(_OF_WRENCHES, np.float64)
     first = memory.ctypes.data
     begin, most = 0, _AT_ONCE
@@ -237,6 +238,7 @@ def _add_guarded(pose, data, wrench):  # type: ignore[no-untyped-def]
             pose.time[begin : begin + m],
             pose.position[begin : begin + m],
             pose.orientation[min(begin, turned) : min(begin + m, turned)],
+            pose.drive[min(begin, driven) : min(begin + m, driven)],
         )
         raised = attempt(function.kernel, (read_only(here), read_only(function.data), found))
         if raised and m > 1:

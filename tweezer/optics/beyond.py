@@ -29,7 +29,7 @@ def add_one(force, pose, at, wrench):  # type: ignore[no-untyped-def]
     one = slice(at, at + 1)
     add(
         force,
-        Pose(pose.time[one], pose.position[one], pose.orientation[one]),
+        Pose(pose.time[one], pose.position[one], pose.orientation[one], pose.drive),
         Wrench(
             wrench.force[one], wrench.moment[one], wrench.force_gradient[one],
             wrench.moment_gradient[one], wrench.error[one],

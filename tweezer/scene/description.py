@@ -17,6 +17,7 @@ from tweezer.scene.sections import (
     Beam,
     Camera,
     Detector,
+    Feedback,
     Forces,
     Heat,
     Lens,
@@ -84,6 +85,9 @@ class Description(Section):
         None,
         validation_alias=AliasChoices("lock_in", "lock-in"),
         description="an amplifier that records the motion about a frequency; none if not given",
+    )
+    feedback: Feedback | None = Field(
+        None, description="a controller that acts by what it measures; none if not given"
     )
     optics: Optics = Field(default_factory=Optics)
     simulation: Simulation

@@ -48,6 +48,7 @@ def check(scene: Description) -> None:
     _some_frame(scene)
     _light_on_the_detector(scene)
     _slow_amplitude(scene)
+    _control(scene)
     check_heat(scene)
     if scene.start.frame == "lens" and scene.lens.focal_length is None:
         raise refusal("start.frame = 'lens': requires lens.focal_length")
@@ -242,6 +243,32 @@ def _slow_amplitude(scene: Description) -> None:
         raise refusal(
             f"lock_in.bandwidth = {bandwidth:g}: requires two samples per 1/bandwidth; set "
             f"simulation.samples to {fewest}"
+        )
+
+
+def _control(scene: Description) -> None:
+    """Refuse a controller without thermal motion, light or a method that it can act on.
+
+    Also refuse one whose ticks do not fall on samples, or samples on ticks.
+    """
+    controller, simulation = scene.feedback, scene.simulation
+    if controller is None:
+        return
+    if not scene.forces.brownian:
+        raise refusal("feedback: requires forces.brownian = true")
+    if controller.acts_on != "force" and not scene.lit:
+        raise refusal(f"feedback.drives = {controller.acts_on!r}: requires light")
+    if simulation.method != "auto" and not METHODS[simulation.method].displacements:
+        raise refusal(
+            f"simulation.method = {simulation.method!r}: cannot follow a controller; set "
+            "simulation.method to auto"
+        )
+    ticks = controller.rate * simulation.duration / (simulation.samples - 1)
+    most = max(ticks, 1 / ticks)
+    if abs(most - round(most)) > 1e-6 * most:
+        raise refusal(
+            f"feedback.rate = {controller.rate:g}: there are {ticks:.6g} ticks from sample to "
+            "sample; this number or its inverse must be whole"
         )
 
 

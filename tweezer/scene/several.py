@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 #: Largest ratio of the radii of two beads
 LARGEST_RATIO = 20.0
 #: Sections that several beads do not support
-_WITHOUT = ("wall", "mirror", "heat", "camera", "detector", "lock_in")
+_WITHOUT = ("wall", "mirror", "heat", "camera", "detector", "lock_in", "feedback")
 
 
 def pairs(count: int) -> Iterator[tuple[int, int]]:

@@ -58,6 +58,8 @@ class Plan(NamedTuple):
     """(12,) noise of the laser, see `tweezer.dynamics.brownian.laser`; (0,) without it"""
     lock_in: Array = np.zeros(0)
     """(2,) data of the lock-in, see `tweezer.dynamics.brownian.lock_in`; (0,) without one"""
+    feedback: Array = np.zeros(0)
+    """data of a controller, see `tweezer.dynamics.brownian.feedback`; (0,) without one"""
 
 
 class Beads(NamedTuple):
@@ -107,6 +109,10 @@ class Beads(NamedTuple):
     lock_in: Array
     """(6, w) in-phase parts and quadratures of the axes behind the lock-in, m; (0, w) without one
     """
+    control: Array
+    """(n, numbers) state and queue of a controller, whose output is `pose.drive`; (0, numbers)
+    without one
+    """
 
 
 def beads(
@@ -120,6 +126,7 @@ def beads(
     body: bool = False,
     laser: int = 0,
     lock_in: int = 0,
+    control: int = -1,
 ) -> Beads:
     """Return arrays of zeros for a batch of beads.
 
@@ -145,9 +152,12 @@ def beads(
         Number of random numbers that the laser has for each bead.
     lock_in : int
         Number of amplitudes of a bead behind the lock-in.
+    control : int
+        Number of numbers that a controller keeps for a bead; -1 without a controller.
     """
     gradients = n if gradient else 0
     places = 0 if uniform else n
+    driven = n if control >= 0 else 0
     width = -(-n // LANES) * LANES
     inertial = inertial or hidden > 0  # the hidden variables follow the velocities
     e = np.zeros((n if dims == 6 else 0, 4))
@@ -156,13 +166,16 @@ def beads(
         np.zeros((dims, width)), np.zeros((dims, width)), np.zeros((dims, width)),
         np.zeros((dims, width)), np.zeros((max(2 * dims if inertial else dims, draws), width)),
         np.zeros(1),
-        Pose(np.zeros(n), np.zeros((width, 3))[:n], e.copy() if body else e),
+        Pose(
+            np.zeros(n), np.zeros((width, 3))[:n], e.copy() if body else e,
+            np.zeros((driven, 3)),
+        ),
         Wrench(
             np.zeros((width, 3))[:n], np.zeros((width, 3))[:n], np.zeros((gradients, 3, 3)),
             np.zeros((gradients, 3, 3)), np.zeros(n),
         ),
         Mobility(np.zeros((places, 5)), np.zeros((places, 5, 3))), np.zeros((laser, width)),
-        np.zeros((lock_in, width)),
+        np.zeros((lock_in, width)), np.zeros((driven, max(control, 0))),
     )  # fmt: skip
 
 

@@ -159,7 +159,8 @@ def find(edge, seed, who, at, before, watched, beads, lost):  # type: ignore[no-
         for i in range(n):
             for k in range(3):
                 places[i, k] = before[k, i]
-        call(edge.drag.kernel, (Pose(np.zeros(n), places, beads.e), edge.drag.data, resisted))
+        pose = Pose(np.zeros(n), places, beads.e, np.zeros((0, 3)))
+        call(edge.drag.kernel, (pose, edge.drag.data, resisted))
     for i in range(n):
         if lost[i] < 0:
             continue

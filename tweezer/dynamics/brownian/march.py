@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numba import typeof, types
 from numpy.typing import NDArray
 
 from tweezer.compiled import address, cached_njit, call, named_njit
-from tweezer.dynamics.brownian import batch, crossing, laser, lock_in, memory, rotation
+from tweezer.dynamics.brownian import batch, crossing, feedback, laser, lock_in, memory, rotation
 from tweezer.dynamics.brownian.batch import (
     BEADS,
     PART,
@@ -33,6 +33,9 @@ from tweezer.dynamics.brownian.rotation import TURNS
 from tweezer.dynamics.layout import ROTATION, TRANSLATION, Layout
 from tweezer.forces.data import Part
 from tweezer.values.arrays import Array
+
+if TYPE_CHECKING:
+    from tweezer.scene.sections import Feedback
 
 #: Beads in a batch: calls by address cost little for so many, and their data stay in the cache
 _BATCH = 128
@@ -73,12 +76,14 @@ class Steps(NamedTuple):
     """address of the function that adds the noise of the laser after a step; 0 without it"""
     mix: int
     """address of the function of the lock-in after a step; 0 without one"""
+    tick: int
+    """address of the tick of a controller; 0 without one"""
     in_phase: int
     """first column of the in-phase parts, before those of the quadratures; -1 without a lock-in"""
 
 
-def steps(scheme: Scheme, layout: Layout) -> Steps:
-    """Return the parameters of the loop for a scheme and states of a layout."""
+def steps(scheme: Scheme, layout: Layout, controller: Feedback | None) -> Steps:
+    """Return the parameters of the loop for a scheme, states of a layout and a controller."""
     inertial = "velocity" in layout
     dims = _dimensions(layout)
     spheres = dims == 6 and scheme.body is None
@@ -93,11 +98,12 @@ def steps(scheme: Scheme, layout: Layout) -> Steps:
         turn = address(rotation.turn_and_diffuse if diffuses else rotation.turn_by_steps, TURNS)
     shake = address(laser.shake, laser.SHAKES) if "laser" in layout else 0
     mix = address(lock_in.mix, lock_in.MIXES) if "in_phase" in layout else 0
+    tick = 0 if controller is None else address(feedback.tick_of(controller), feedback.TICKS)
     return Steps(
         address(scheme.step, STEP), draws, layout.blocks.get("memory", 0) // 3,
         layout.first("velocity"), layout.first("orientation"), layout.first("angular_velocity"),
         int(scheme.gradient), int(scheme.samples_ahead), int(scheme.force_first), turn, shake, mix,
-        layout.first("in_phase"),
+        tick, layout.first("in_phase"),
     )  # fmt: skip
 
 
@@ -152,6 +158,7 @@ def advance(
         beads = batch.beads(
             n, dims, inertial, gradient, uniform, steps.memory, steps.draws, body,
             layout.blocks.get("laser", 0), 6 if "in_phase" in layout else 0,
+            layout.blocks.get("control", 0) if steps.tick else -1,
         )  # fmt: skip
         who = np.zeros(beads.x.shape[1], np.int64)
         who[:n] = trajectories[part]
@@ -185,6 +192,8 @@ def _held(layout: Layout, beads: Beads, n: int) -> list[tuple[slice, Array]]:
         "laser": beads.laser[:, :n],
         "in_phase": beads.lock_in[:3, :n],
         "quadrature": beads.lock_in[3:, :n],
+        "drive": beads.pose.drive.T,
+        "control": beads.control.T,
     }
     return [(layout.at(name), room) for name, room in rooms.items() if name in layout]
 
@@ -224,6 +233,11 @@ def loop() -> Any:
                     call(steps.shake, (plan, who, at, beads))
                 if steps.mix != 0:
                     call(steps.mix, (plan, at, beads))
+                if steps.tick != 0 and (at + 1) % np.int64(plan.feedback[feedback.EVERY]) == 0:
+                    call(steps.tick, (plan, who, at, beads))
+                    if steps.force_first:
+                        now = (at + 1) * plan.step
+                        batch.slow_velocities(force, plan, beads, now, x, beads.u)
                 if watched or not crossing.all_far(edge, x, n):
                     if edge.find == 0:
                         return NEAR

@@ -34,8 +34,9 @@ from tweezer.compiled.stack import on_stack
 
 #: purpose of a number, the last word of the counter; attempts at a turn count up from `TURN`
 NOISE, START, TURN = 0, 1, 2
-#: purpose of a number for a loss within a step, and for the noise of the laser
-CROSSING, LASER = -2, -3
+#: purpose of a number for a loss within a step, for the noise of the laser, and for a tick of a
+#: controller
+CROSSING, LASER, FEEDBACK = -2, -3, -4
 #: purpose of a number for a camera; the words before it are then frame and trajectory
 CAMERA = -1
 

@@ -241,7 +241,7 @@ class Work(NamedTuple):
 def _room(modes):  # type: ignore[no-untyped-def]
     """Allocate the workspace of a step for a bead with that many velocity modes per axis."""
     n = NODES
-    pose = Pose(np.empty(n), np.empty((n, 3)), np.empty((0, 4)))
+    pose = Pose(np.empty(n), np.empty((n, 3)), np.empty((0, 4)), np.empty((0, 3)))
     force, moment, error = np.empty((n, 3)), np.empty((n, 3)), np.empty(n)
     none = np.empty((0, 3, 3))
     return Work(
@@ -251,7 +251,7 @@ def _room(modes):  # type: ignore[no-untyped-def]
         np.empty(3 * _ALL), np.empty(_ALL), np.empty(3 * _MATRIX), np.empty(3, np.int64),
         np.empty((3, n)), np.empty((modes, n)), np.empty(_ALL * _ALL), np.zeros(_ALL * _ALL),
         np.empty((6, n)), np.empty(_ALL), np.empty(n + 1), np.empty(_MATRIX),
-        Pose(np.empty(1), np.empty((1, 3)), np.empty((0, 4))),
+        Pose(np.empty(1), np.empty((1, 3)), np.empty((0, 4)), np.empty((0, 3))),
         Mobility(np.empty((1, 5)), np.empty((0, 5, 3))),
     )  # fmt: skip
 
@@ -530,7 +530,7 @@ def _kink(how, time, step, work):  # type: ignore[no-untyped-def]
     _by_legendre(work.place, work.change)
     for i in range(3):
         _powers(work.change, NODES * i, work.powers[i])
-    pose = Pose(work.pose.time[:1], work.pose.position[:1], work.pose.orientation)
+    pose = Pose(work.pose.time[:1], work.pose.position[:1], work.pose.orientation, work.pose.drive)
     none = work.plain.force_gradient
     found = Wrench(work.plain.force[:1], work.plain.moment[:1], none, none, work.plain.error[:1])
     low, high = PLACES[after - 1], PLACES[after]

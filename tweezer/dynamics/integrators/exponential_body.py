@@ -172,9 +172,9 @@ def _room():  # type: ignore[no-untyped-def]
     """Allocate the workspace of a step."""
     n, six, none = NODES, _SIX, np.zeros((0, 3, 3))
     return Work(
-        Pose(np.zeros(n), np.zeros((n, 3)), np.zeros((n, 4))),
+        Pose(np.zeros(n), np.zeros((n, 3)), np.zeros((n, 4)), np.zeros((0, 3))),
         Wrench(np.zeros((n, 3)), np.zeros((n, 3)), none, none, np.zeros(n)),
-        Pose(np.zeros(six), np.zeros((six, 3)), np.zeros((six, 4))),
+        Pose(np.zeros(six), np.zeros((six, 3)), np.zeros((six, 4)), np.zeros((0, 3))),
         Wrench(np.zeros((six, 3)), np.zeros((six, 3)), none, none, np.zeros(six)),
         np.zeros((n, six)), np.zeros((n, six)), np.zeros((n, six)), np.zeros((n, six)),
         np.zeros((n, six)), np.zeros((six, n, n)), np.zeros((six, n, n)), np.zeros((2, n, six)),

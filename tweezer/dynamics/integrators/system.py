@@ -134,7 +134,7 @@ class At(NamedTuple):
 def scratch(system):  # type: ignore[no-untyped-def]
     """Allocate the workspace `At` of a loop, with the mobility if it is the same everywhere."""
     turned = 1 if system.orientation >= 0 else 0
-    pose = Pose(np.zeros(1), np.zeros((1, 3)), np.zeros((turned, 4)))
+    pose = Pose(np.zeros(1), np.zeros((1, 3)), np.zeros((turned, 4)), np.zeros((0, 3)))
     wrench = Wrench(
         np.zeros((1, 3)), np.zeros((1, 3)), np.zeros((1, 3, 3)), np.zeros((1, 3, 3)), np.zeros(1)
     )

@@ -2,6 +2,7 @@ from .alternatives import ALTERNATIVES, BELONGING, FILLED, NAMED, WITHIN_LAYERS,
 from .bead import Bead
 from .between import Between, Tether
 from .detector import Detector, LockIn
+from .feedback import Feedback
 from .heat import Heat
 from .interference import Mirror
 from .light import Beam, Cover, Lens, Optics
@@ -23,6 +24,7 @@ __all__ = [
     "Cover",
     "Detector",
     "Dlvo",
+    "Feedback",
     "Filled",
     "Forces",
     "Heat",
