@@ -3,6 +3,7 @@ from .calibration import Calibration, Surface, calibrate, find_wall, potential
 from .calibration.pair import PairCalibration, calibrate_pair
 from .comparison import Comparison, compare
 from .dynamics import Event, bind, capture, chosen, flip
+from .dynamics.loops import loop_moments
 from .ensembles import escape_times
 from .ensembles.ensemble import ensemble
 from .fluid import wall_mobilities
@@ -130,6 +131,7 @@ __all__ = [
     "load_scene",
     "load_t_matrix",
     "load_track",
+    "loop_moments",
     "medium",
     "optical_binding",
     "optical_force",

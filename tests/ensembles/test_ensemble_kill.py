@@ -27,6 +27,10 @@ KILLS = int(os.environ.get("TWEEZER_KILLS", "2"))
 TRAJECTORIES = 1024
 ROD = FREE.replace(bead={"shape": "spheroid", "length": "2 um"}, simulation={"duration": "100 ms"})
 
+CONTROLLED = FREE.replace(
+    feedback={"kind": "pid", "rate": 1e5, "delay": 3e-5, "noise": 1e-24, "gains": [1e-6, 0, 1e-10]}
+)
+
 
 def work(
     out: Path, gathered: bool, scheduler: str | None = None, scene: tweezer.Scene = FREE
@@ -78,8 +82,9 @@ def has_written(process, out: Path, number: int, seen: set[tuple[Path, int]]) ->
 
 @pytest.mark.parametrize("gathered", [False, True])
 @pytest.mark.parametrize(
-    "scene", [FREE, INERTIAL, ROD, PAIR], ids=["overdamped", "memory", "body", "pair"]
-)
+    "scene", [FREE, INERTIAL, ROD, PAIR, CONTROLLED],
+    ids=["overdamped", "memory", "body", "pair", "controller"],
+)  # fmt: skip
 def test_killed_at_random_and_resumed(scene, gathered, process, tmp_path):
     suffix = ".nc" if gathered else ".zarr"
     whole = tmp_path / f"whole{suffix}"

@@ -39,6 +39,7 @@ NAMED = {
     "detect": tweezer.detect,
     "ensemble": lambda scene: tweezer.ensemble(scene, 0),
     "least_power": lambda scene: tweezer.least_power(scene, "-1 s"),
+    "loop_moments": tweezer.loop_moments,
     "optical_binding": tweezer.optical_binding,
     "optimise": lambda scene: tweezer.optimise(scene, "k"),
     "stretch": tweezer.stretch,

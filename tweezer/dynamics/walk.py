@@ -580,7 +580,7 @@ def _plan(
         seed, step, per_sample, tau, linear.mobility, load, linear.diffusion, linear.centre,
         linear.kT, problem.drag.uniform or walls is not None, resisting,
         _noise_of_laser(problem, linear, step), _lock_in(problem, step),
-        _feedback(problem, linear, step),
+        _feedback(problem, step),
     )  # fmt: skip
 
 
@@ -590,12 +590,12 @@ def _lock_in(problem: Problem, step: float) -> Array:
     return np.zeros(0) if amplifier is None else lock_in.data_of(amplifier, step)
 
 
-def _feedback(problem: Problem, linear: Linearised, step: float) -> Array:
+def _feedback(problem: Problem, step: float) -> Array:
     """Return the data of the controller, (0,) without one."""
     controller = problem.scene.feedback
     if controller is None:
         return np.zeros(0)
-    return feedback.data_of(controller, step, float(linear.tau[0] / linear.mobility[0]))
+    return feedback.data_of(controller, step, problem.effective_mass)
 
 
 def _noise_of_laser(problem: Problem, linear: Linearised, step: float) -> Array:
