@@ -181,7 +181,7 @@ def _loop(scene: Scene) -> tuple[_Loop, float, float]:
     F, G, H, J = F * size / size[:, None], G * far / size, H * size / push, J * far / push
     measured = np.diag([float(axis in feedback.measures) for axis in "xyz"])
     late, states = feedback.ticks_late, len(G)
-    Fs, Gs = np.kron(np.eye(3), F), np.kron(measured, G[:, None])
+    Fs, Gs = np.kron(measured, F), np.kron(measured, G[:, None])
     Hs, Js = np.kron(measured, H[None]), J * measured
     queue = np.zeros((3 * late, 3 * late))
     for j in range(late - 1):

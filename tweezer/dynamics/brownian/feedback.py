@@ -70,10 +70,12 @@ def matrices_of(feedback: Feedback, mass: float) -> Matrices:
         case "clamp":  # X -> X + gain (y - X)/f
             part = -math.expm1(-(feedback.gain or 0.0) / f)
             return Matrices(np.array([[1 - part]]), np.array([part]), np.array([1.0]), 0.0)
-        case "pid":  # c = (y, y_before, sum of y/f)
+        case "pid":  # c = (y, y_before, sum of y/f), without the sum if nothing reads it
             P, I, D = feedback.gains or (0.0, 0.0, 0.0)
             F = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-            return Matrices(F, np.array([1.0, 0.0, 1 / f]), np.array([-P - D * f, D * f, -I]), 0.0)
+            n = 3 if I else 2
+            G, H = np.array([1.0, 0.0, 1 / f]), np.array([-P - D * f, D * f, -I])
+            return Matrices(F[:n, :n], G[:n], H[:n], 0.0)
     return Matrices(
         np.array(feedback.F, float).reshape(len(feedback.G or ()), -1), np.array(feedback.G, float),
         np.array(feedback.H, float), float(feedback.J or 0.0),
