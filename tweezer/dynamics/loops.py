@@ -164,7 +164,7 @@ def _loop(scene: Scene) -> tuple[_Loop, float, float]:
     if mass:
         A = np.block([[np.zeros((3, 3)), np.eye(3)], [-stiffness / mass, -np.diag(drag / mass)]])
         B, Q = np.vstack([np.zeros((3, 3)), acting / mass]), np.zeros((6, 6))
-        Q[3:, 3:] = np.diag(2 * kT * drag / mass**2)
+        Q[_AXES:, _AXES:] = np.diag(2 * kT * drag / mass**2)
         own = np.array([far] * 3 + [fast] * 3)
     else:
         A, B = -stiffness / drag[:, None], acting / drag[:, None]
@@ -183,9 +183,7 @@ def _loop(scene: Scene) -> tuple[_Loop, float, float]:
     late, states = feedback.ticks_late, len(G)
     Fs, Gs = np.kron(measured, F), np.kron(measured, G[:, None])
     Hs, Js = np.kron(measured, H[None]), J * measured
-    queue = np.zeros((3 * late, 3 * late))
-    for j in range(late - 1):
-        queue[3 * j : 3 * j + 3, 3 * j + 3 : 3 * j + 6] = np.eye(3)
+    queue = np.kron(np.eye(late, k=1), np.eye(3))
     # rows: motion, states, queue, acting; y = x after the step + noise
     C = np.hstack([np.eye(3), np.zeros((3, n - 3))])
     by_y = Gs
@@ -198,7 +196,7 @@ def _loop(scene: Scene) -> tuple[_Loop, float, float]:
     whole[out, :n], whole[out, u:] = direct @ C @ moved, direct @ C @ pushed
     whole[out, c:q] = Hs @ Fs
     if late:
-        whole[u:, q : q + 3] = np.eye(3)
+        whole[u:, q : q + _AXES] = np.eye(3)
     into = np.zeros((u + 3, n + 3))
     into[:n, :n] = np.eye(n)
     into[c:q] = by_y @ np.hstack([C, np.eye(3)])
