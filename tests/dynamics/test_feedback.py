@@ -247,7 +247,8 @@ def test_moments_of_a_scene_are_those_of_the_sampled_loop(late):
     spectrum = tweezer.loop_moments(
         scene.replace(feedback=feedback, simulation={"duration": 800 / rate, "samples": 101}), even
     ).position_spectrum[0]
-    assert float(spectrum.sum()) * rate / 8000 == pytest.approx(float(found.position_variance[0]), rel=1e-3)
+    variance = float(found.position_variance[0])
+    assert float(spectrum.sum()) * rate / 8000 == pytest.approx(variance, rel=1e-3)
 
 
 def test_an_unstable_loop_and_other_impossible_controllers_are_refused():
