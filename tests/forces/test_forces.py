@@ -167,6 +167,41 @@ def test_a_course_that_repeats_has_its_kinks_again_and_again():
     assert not Course(np.zeros(1), np.zeros((1, 1)), np.ones(1), 5.0).steady
 
 
+def test_course_that_does_not_jump_at_its_period_has_no_kink_there():
+    dark = Course(np.array([0.2, 0.2, 0.6, 0.6]), np.array([[0.0], [1.0], [1.0], [0.0]]),
+                  np.zeros(1), period=1.0)  # fmt: skip
+    np.testing.assert_allclose(dark.kinks(2.5), [0.2, 0.6, 1.2, 1.6, 2.2])
+    assert dark.shortest_time(2.5) == pytest.approx(0.2)
+    bends = Course(np.array([0.0, 0.5, 1.0]), np.array([[0.0], [1.0], [0.0]]), np.zeros(1),
+                   period=1.0)  # fmt: skip
+    np.testing.assert_allclose(bends.kinks(2.2), [0.5, 1.0, 1.5, 2.0])
+
+
+def test_course_that_repeats_equals_the_course_with_every_period_written_out():
+    rng = np.random.default_rng(430)
+    times, values, period = np.sort(rng.uniform(0, 1, 6)), rng.normal(size=(6, 3)), 1.25
+    repeated = Course(times, values, np.zeros(3), period=period)
+    every = np.concatenate([[n * period, *(n * period + times), (n + 1) * period]
+                            for n in range(40)])  # fmt: skip
+    held = np.tile(np.concatenate([values[:1], values, values[-1:]]), (40, 1))
+    written = Course(every, held, np.zeros(3))
+    for time in rng.uniform(0, 50, 300):
+        np.testing.assert_allclose(repeated.at(time), written.at(time), rtol=0, atol=1e-11)
+    inside = repeated.kinks(50.0)
+    np.testing.assert_allclose(inside, np.unique(every[(every > 0) & (every < 50)]), rtol=1e-14)
+
+
+def test_course_takes_a_phase_for_each_value():
+    turning = Course(np.zeros(1), np.zeros((1, 2)), [2.0, 2.0], 5.0, ["90 deg", 0.0])
+    for time in (0.0, 0.03, 7.01):
+        angle = 2 * np.pi * 5 * time
+        np.testing.assert_allclose(
+            turning.at(time), [2 * np.cos(angle), 2 * np.sin(angle)], atol=1e-11
+        )
+    with pytest.raises(ValueError, match="phase: must be one number, or one for each value"):
+        Course(np.zeros(1), np.zeros((1, 2)), np.ones(2), 5.0, [0.0, 1.0, 2.0])
+
+
 def test_gradients_of_a_force_that_has_none_are_differences():
     np.testing.assert_allclose(
         read(own_spring((1e-7, 0, 0))).force_gradient,

@@ -66,6 +66,9 @@ TABLE = {**STEPS, "kind": "table"}
         ({"kind": "sine", "amplitude": ["0.2 um", 0, 0], "frequency": "50 Hz"}, 5e-3, [2e-7, 0, 0]),
         ({"kind": "sine", "amplitude": [0, 2e-7, 0], "frequency": 50, "phase": "90 deg"}, 0.0,
          [0, 2e-7, 0]),
+        ({"kind": "circle", "radius": "0.2 um", "frequency": "50 Hz"}, 5e-3, [0, 2e-7, 0]),
+        ({"kind": "circle", "radius": 2e-7, "frequency": 50, "phase": "90 deg"}, 5e-3,
+         [-2e-7, 0, 0]),
         ({"kind": "ramp", "velocity": [1e-4, 0, 0]}, 2e-3, [2e-7, 0, 0]),
         ({"kind": "ramp", "velocity": [1e-4, 0, 0], "begin": "1 ms", "end": "2 ms"}, 0.5e-3,
          [0, 0, 0]),
@@ -100,6 +103,12 @@ def test_a_beam_is_where_its_motion_says(motion, time, place):
         ({"kind": "on-off", "frequency": "100 Hz"}, 5e-3, 0.0),
         ({"kind": "on-off", "frequency": "100 Hz", "duty": 0.2}, 13e-3, 0.0),
         ({"kind": "on-off", "frequency": "100 Hz", "duty": 0.2}, 11e-3, 1.0),
+        ({"kind": "on-off", "frequency": "100 Hz", "phase": "180 deg"}, 4.9e-3, 0.0),
+        ({"kind": "on-off", "frequency": "100 Hz", "phase": "180 deg"}, 5e-3, 1.0),
+        ({"kind": "on-off", "frequency": "100 Hz", "phase": "36 deg"}, 3.9e-3, 1.0),
+        ({"kind": "on-off", "frequency": "100 Hz", "phase": "36 deg"}, 4e-3, 0.0),
+        ({"kind": "on-off", "frequency": "100 Hz", "phase": "36 deg"}, 9e-3, 1.0),
+        ({"kind": "on-off", "frequency": "100 Hz", "phase": "-36 deg"}, 0.9e-3, 0.0),
         ({"kind": "steps", "times": ["1 ms", "2 ms"], "factors": [0.5, 2]}, 0.0, 1.0),
         ({"kind": "steps", "times": ["1 ms", "2 ms"], "factors": [0.5, 2]}, 1.5e-3, 0.5),
         ({"kind": "table", "times": ["1 ms", "2 ms"], "factors": [0.5, 2]}, 1.5e-3, 1.25),
@@ -152,7 +161,7 @@ def test_a_table_is_read_from_the_folder_of_the_scene(tmp_path):
 @pytest.mark.parametrize(
     ("beam", "said"),
     [
-        ({"motion": {"kind": "circle"}}, "beam.motion.kind = 'circle': allowed: 'sine', 'ramp'"),
+        ({"motion": {"kind": "spiral"}}, "beam.motion.kind = 'spiral': allowed: 'sine', 'circle'"),
         ({"motion": {"kind": "ramp"}}, "beam.motion.velocity: missing; kind = 'ramp' requires it"),
         ({"motion": {"kind": "ramp", "velocity": [1, 0, 0], "phase": 1}},
          "beam.motion.phase: does not apply to kind = 'ramp'"),
@@ -342,6 +351,34 @@ def test_a_course_that_repeats_is_the_course_written_out(kind):
     first, second = (run["position"].values for run in repeated)
     np.testing.assert_allclose(first, second, atol=2e-11)
     assert np.ptp(first[:, 0]) > 3e-8
+
+
+def test_three_beams_that_take_turns_are_one_beam_that_jumps():
+    """The phases of their light differ; two of them jump together, apart from rounding."""
+    places, period = [[-1e-7, 0, 0], [1e-7, 0, 0], [0, 1e-7, 0]], 5e-4
+    lit = {"kind": "on-off", "frequency": 1 / period, "duty": 1 / 3}
+    several = [
+        beam_of(ONE, position=place, modulation={**lit, "phase": f"{-120 * i} deg"})
+        for i, place in enumerate(places)
+    ]
+    jumps = {
+        "kind": "steps", "times": [0, period / 3, 2 * period / 3], "period": period,
+        "positions": places,
+    }  # fmt: skip
+    runs = []
+    for beams in (several, [beam_of(ONE, motion=jumps)]):
+        scene = ONE.replace(
+            beam=beams, medium={"inertia": "none"}, start={"position": [0, 0, 0]},
+            simulation={"model": "overdamped", "duration": "3 ms", "samples": 31},
+        )  # fmt: skip
+        assert tweezer.Scene.model_validate_json(scene.model_dump_json(exclude_none=True)) == scene
+        np.testing.assert_allclose(
+            np.unique(light_force(scene).kinks(3e-3).round(12)), np.arange(1, 18) * period / 3,
+            atol=1e-12,
+        )  # fmt: skip
+        runs.append(tweezer.simulate(scene)["position"].values)
+    np.testing.assert_allclose(*runs, atol=1e-15)
+    assert np.ptp(runs[0][:, 0]) > 1e-7
 
 
 @pytest.mark.parametrize("method", ["exponential", "scipy:LSODA"])

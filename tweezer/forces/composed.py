@@ -170,8 +170,8 @@ class Course:
     """amplitude of the sine, (m,)"""
     frequency: float = 0.0
     """frequency of the sine, 1/s"""
-    phase: float = 0.0
-    """phase of the sine at t = 0, rad"""
+    phase: float | Array = 0.0
+    """phase of the sine at t = 0, rad: one, or one for each of the m values"""
     period: float = math.inf
     """period after which the points repeat, s"""
 
@@ -184,21 +184,25 @@ class Course:
         amplitude, of_amplitude = read_argument("amplitude", in_base_units, self.amplitude)
         if of_values != of_amplitude and of_amplitude and of_values:
             raise ValueError(f"values in {of_values} and amplitude in {of_amplitude}: do not fit")
-        given = {
+        given: dict[str, Any] = {
             "times": np.array(read_argument("times", array_in_si, self.times, "s")),
             "values": np.array(values),
             "amplitude": np.array(amplitude),
             "frequency": read_argument("frequency", to_si, self.frequency, "1/s"),
-            "phase": read_argument("phase", to_si, self.phase, "rad"),
+            "phase": read_argument("phase", array_in_si, self.phase, "rad"),
             "period": read_argument("period", array_in_si, self.period, "s"),
             "unit": of_values or of_amplitude,
         }
         if given["period"].ndim:
             raise ValueError("period: must be one number")
         given["period"] = float(given["period"])
+        if given["phase"].shape not in ((), given["amplitude"].shape):
+            raise ValueError("phase: must be one number, or one for each value")
+        if given["phase"].ndim == 0:
+            given["phase"] = float(given["phase"])
         for name, value in given.items():
             object.__setattr__(self, name, value)
-        for name in ("times", "values", "amplitude"):
+        for name in ("times", "values", "amplitude", "phase"):
             if not np.isfinite(getattr(self, name)).all():
                 raise ValueError(f"{name}: must be finite")
         n, m = self.times.size, self.amplitude.size
@@ -229,7 +233,9 @@ class Course:
             if end / self.period > _MOST_PERIODS:
                 raise SceneError(f"{end / self.period:.2g} periods of a force: too many for a run")
             repeats = np.arange(math.ceil(end / self.period) + 1) * self.period
-            within = np.append(0.0, self.times[self.times < self.period * (1 - 1e-12)])
+            points = self.times[self.times < self.period * (1 - 1e-12)]
+            jumps = len(points) < len(self.times) or (self.values[0] != self.values[-1]).any()
+            within = np.append(0.0, points) if jumps else points
             times = (repeats[:, None] + np.unique(within)).ravel()
         return np.unique(times[(times > 0) & (times < end)])
 
@@ -255,9 +261,10 @@ class Course:
 
     def entries(self) -> tuple[float | Array, ...]:
         """Return the course as the `ENTRIES` entries of a force's data that `course_at` reads."""
+        phases = np.broadcast_to(self.phase, self.amplitude.shape)
         return (
             self.times, self.values, self.amplitude,
-            np.array([self.frequency, self.phase, self.period]),
+            np.array([self.frequency, self.period, *phases]),
         )  # fmt: skip
 
 
@@ -279,8 +286,7 @@ def course_at(data, first, time, out):  # type: ignore[no-untyped-def]
     """
     times, values = vector(data, first), matrix(data, first + 1)
     amplitude, wave = vector(data, first + 2), vector(data, first + 3)
-    frequency, phase, period = wave[0], wave[1], wave[2]
-    swing = math.sin(2.0 * math.pi * frequency * time + phase) if frequency > 0.0 else 0.0
+    frequency, period, angle = wave[0], wave[1], 2.0 * math.pi * wave[0] * time
     if period < math.inf:  # rounding must not put this time before a kink
         time += _LATER * abs(time)
         time -= period * math.floor(time / period)
@@ -294,7 +300,8 @@ def course_at(data, first, time, out):  # type: ignore[no-untyped-def]
         else:
             part_of = (time - times[after - 1]) / (times[after] - times[after - 1])
             value = values[after - 1, k] + part_of * (values[after, k] - values[after - 1, k])
-        out[k] = value + amplitude[k] * swing
+        swings = frequency > 0.0 and amplitude[k] != 0.0
+        out[k] = value + (amplitude[k] * math.sin(angle + wave[2 + k]) if swings else 0.0)
 
 
 @dataclass(frozen=True)

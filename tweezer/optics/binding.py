@@ -195,6 +195,10 @@ def place_of(beam: Beam) -> Course:
         case "sine":
             amplitude = np.array(motion.amplitude)
             return Course(np.zeros(1), at, amplitude, motion.frequency or 0.0, motion.phase or 0.0)
+        case "circle":
+            amplitude = np.array([1.0, 1.0, 0.0]) * (motion.radius or 0.0)
+            phases = (motion.phase or 0.0) + np.array([0.5 * np.pi, 0.0, 0.0])
+            return Course(np.zeros(1), at, amplitude, motion.frequency or 0.0, phases)
         case "ramp":
             begin, end = motion.begin or 0.0, motion.end or _FOREVER
             way = np.outer([0.0, end - begin], motion.velocity)  # type: ignore[arg-type]
@@ -220,13 +224,22 @@ def factor_of(beam: Beam) -> Course:
             return Course(times, np.array([[1.0], [modulation.factor]]), none)
         case "on-off":
             duty = 0.5 if modulation.duty is None else modulation.duty
-            times = np.array([0.0, duty, duty, 1.0]) / frequency
-            values = np.array([[1.0], [1.0], [0.0], [0.0]])
-            return Course(times, values, none, period=1 / frequency)
+            return _on_off(frequency, duty, (modulation.phase or 0.0) / (2 * np.pi) % 1.0)
     times, factors = np.array(modulation.times), np.array([modulation.factors]).T
     if modulation.kind == "steps":
         times, factors = _stairs(times, factors, np.ones(1))
     return Course(times, factors, none, period=modulation.period or np.inf)
+
+
+def _on_off(frequency: float, duty: float, ahead: float) -> Course:
+    """Return the factor of light that is on while `frequency` t + `ahead`, modulo 1, is below
+    `duty`. `ahead` is from 0 to 1.
+    """
+    on, off = 1.0 - ahead, duty - ahead + (ahead >= duty)
+    first = float(ahead < duty)
+    times = np.repeat(sorted((on, off)), 2) / frequency
+    values = np.array([[first], [1 - first], [1 - first], [first]])
+    return Course(times, values, np.zeros(1), period=1 / frequency)
 
 
 def _phase(beam: Beam) -> Course:

@@ -19,6 +19,7 @@ from tweezer.values.units import (
     Angle,
     Frequency,
     Length,
+    PositiveLength,
     PositiveTime,
     Quantity,
     Speed,
@@ -110,6 +111,7 @@ class _Course(Section):
 _KEYS: dict[str, dict[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
     "Motion": {
         "sine": (("amplitude", "frequency"), ("phase",)),
+        "circle": (("radius", "frequency"), ("phase",)),
         "ramp": (("velocity",), ("begin", "end")),
         "steps": (("times", "positions"), ("period",)),
         "table": (("times", "positions"), ("period",)),
@@ -124,7 +126,7 @@ _KEYS: dict[str, dict[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
         "sine": (("depth", "frequency"), ("phase",)),
         "ramp": (("factor", "end"), ("begin",)),
         "steps": (("times", "factors"), ("period",)),
-        "on-off": (("frequency",), ("duty",)),
+        "on-off": (("frequency",), ("duty", "phase")),
         "table": (("times", "factors"), ("period",)),
     },
 }
@@ -133,14 +135,16 @@ _KEYS: dict[str, dict[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
 class Motion(_Course):
     """Motion of a beam in time, relative to its `position`."""
 
-    kind: Literal["sine", "ramp", "steps", "table"] = Field(
-        description="sine: amplitude sin(2 pi frequency t + phase); ramp: at `velocity` from "
+    kind: Literal["sine", "circle", "ramp", "steps", "table"] = Field(
+        description="sine: amplitude sin(2 pi frequency t + phase); circle: x = radius cos(2 pi "
+        "frequency t + phase), y = radius sin(2 pi frequency t + phase); ramp: at `velocity` from "
         "`begin` to `end`; steps: a jump to each of `positions` at its time, from 0 before the "
         "first; table: linear interpolation between `positions`, also from a CSV `file`"
     )
     amplitude: Vector | None = Field(None, description="amplitude of a sine")
-    frequency: Frequency | None = Field(None, description="frequency of a sine")
-    phase: Angle | None = Field(None, description="phase of a sine. Default: 0")
+    radius: PositiveLength | None = Field(None, description="radius of a circle")
+    frequency: Frequency | None = Field(None, description="frequency of a sine or a circle")
+    phase: Angle | None = Field(None, description="phase of a sine or a circle. Default: 0")
     velocity: Velocity | None = Field(None, description="velocity of a ramp")
     begin: Time | None = Field(None, description="time at which a ramp begins. Default: 0")
     end: Time | None = Field(None, description="time at which a ramp ends. Default: never")
@@ -166,14 +170,14 @@ class Modulation(_Course):
     kind: Literal["sine", "ramp", "steps", "on-off", "table"] = Field(
         description="sine: 1 + depth sin(2 pi frequency t + phase); ramp: from 1 at `begin` to "
         "`factor` at `end`; steps: a jump to each of `factors` at its time, from 1 before the "
-        "first; on-off: on for the fraction `duty` of each period, then off; table: linear "
-        "interpolation between `factors`, also from a CSV `file`"
+        "first; on-off: on while frequency t + phase/(2 pi) is less than `duty` above a whole "
+        "number; table: linear interpolation between `factors`, also from a CSV `file`"
     )
     depth: Annotated[float, Quantity("", 0, 1)] | None = Field(
         None, description="modulation depth of a sine"
     )
     frequency: Frequency | None = Field(None, description="frequency of a sine or of on-off")
-    phase: Angle | None = Field(None, description="phase of a sine. Default: 0")
+    phase: Angle | None = Field(None, description="phase of a sine or of on-off. Default: 0")
     factor: Factor | None = Field(None, description="factor at the end of a ramp")
     begin: Time | None = Field(None, description="time at which a ramp begins. Default: 0")
     end: Time | None = Field(None, description="time at which a ramp ends")
