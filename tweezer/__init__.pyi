@@ -54,6 +54,7 @@ from .tracking import (
 )
 from .trap import BodyTrap, LeastPower, Lifetime, Trap, characterise, trap_over_heights
 from .trap.least_power import least_power
+from .trap.time_sharing import TimeSharing, time_sharing
 from .values.errors import (
     IntegrationError,
     PhysicsWarning,
@@ -96,6 +97,7 @@ __all__ = [
     "Summary",
     "Surface",
     "TMatrix",
+    "TimeSharing",
     "Track",
     "Trap",
     "Tuned",
@@ -155,6 +157,7 @@ __all__ = [
     "summarise",
     "sweep",
     "t_matrix",
+    "time_sharing",
     "trap_over_heights",
     "tune",
     "view",

@@ -43,6 +43,7 @@ NAMED = {
     "optical_binding": tweezer.optical_binding,
     "optimise": lambda scene: tweezer.optimise(scene, "k"),
     "stretch": tweezer.stretch,
+    "time_sharing": tweezer.time_sharing,
     "sweep": lambda scene: tweezer.sweep(scene, {"bead.colour": [1]}),
     "trap_over_heights": lambda scene: tweezer.trap_over_heights(scene, [-1.0]),
     "tune": lambda scene: tweezer.tune(scene, [-1.0]),

@@ -42,7 +42,7 @@ from tweezer.cli.tables import (
     print_rows,
     print_table,
 )
-from tweezer.values.errors import PhysicsWarning, SceneError
+from tweezer.values.errors import PhysicsWarning, SceneError, TweezerError
 from tweezer.values.prefixes import per
 from tweezer.values.printed import in_unit
 from tweezer.values.rounding import micrometres, three
@@ -107,6 +107,8 @@ def trap(
         if isinstance(characterised, Trap):
             _ = characterised.lifetime  # computed on first use
     print_card(characterised.card())
+    if not force:
+        _print_time_sharing(described)
     if out:
         from tweezer.results.saving import content_of
 
@@ -120,6 +122,18 @@ def trap(
             figure = body_trap_figure(described, characterised)
         write_figure(figure, plot)
     tell_written(out, plot)
+
+
+def _print_time_sharing(scene: Scene) -> None:
+    """Print how the trap of light that repeats differs from the trap of its averaged force."""
+    from tweezer.trap.time_sharing import repeats, time_sharing
+
+    if not repeats(scene):
+        return
+    try:
+        print_card(time_sharing(scene).card())
+    except TweezerError as error:
+        say(f"time sharing: {error}")
 
 
 def _trap_over(

@@ -2,6 +2,7 @@ from .body import BodyEquilibrium, BodyTrap
 from .heights import trap_over_heights
 from .holding import Lifetime
 from .least_power import LeastPower, least_power
+from .time_sharing import TimeSharing, time_sharing
 from .trap import Efficiency, Equilibrium, Escape, Trap, characterise
 
 __all__ = [
@@ -12,8 +13,10 @@ __all__ = [
     "Escape",
     "LeastPower",
     "Lifetime",
+    "TimeSharing",
     "Trap",
     "characterise",
     "least_power",
+    "time_sharing",
     "trap_over_heights",
 ]
