@@ -40,6 +40,7 @@ from tweezer.cli.console import (
 from tweezer.cli.tables import (
     print_card,
     print_rows,
+    print_shown,
     print_table,
 )
 from tweezer.values.errors import PhysicsWarning, SceneError, TweezerError
@@ -131,7 +132,8 @@ def _print_time_sharing(scene: Scene) -> None:
     if not repeats(scene):
         return
     try:
-        print_card(time_sharing(scene).card())
+        card = time_sharing(scene).card()
+        print_shown(card.title, card.rows)
     except TweezerError as error:
         say(f"time sharing: {error}")
 

@@ -170,14 +170,10 @@ def time_sharing(scene: SceneLike) -> TimeSharing:
 
     Examples
     --------
-    >>> steps = {"kind": "steps", "times": [0, "50 us"], "period": "100 us"}
-    >>> places = [["-50 nm", 0, 0], ["50 nm", 0, 0]]
-    >>> scene = tweezer.load_scene("silica-1um").replace(
-    ...     beam={"motion": {**steps, "positions": places}}
-    ... )
-    >>> sharing = tweezer.time_sharing(scene)
-    >>> (1e9 * sharing.ripple).round(1).tolist()
-    [7.3, 0.3, 0.0]
+    >>> circle = {"kind": "circle", "radius": "20 nm", "frequency": "10 kHz"}
+    >>> scene = tweezer.load_scene("silica-1um").replace(beam={"motion": circle})
+    >>> (1e9 * tweezer.time_sharing(scene).ripple).round(1).tolist()
+    [2.3, 2.3, 0.0]
     """
     scene = checked_scene(scene)
     period = _common_period(scene)
