@@ -1,7 +1,7 @@
 """Forces that a controller changes: a uniform force, and light of changed power or position.
 
 The output of the controller is `Pose.drive`, three numbers for each bead, by axis. Without a
-controller the array is empty, and the forces are those of an output of 0.
+controller the array is empty, as for an output of 0.
 """
 
 from __future__ import annotations

@@ -1,14 +1,14 @@
 """Feedback: a controller measures a bead at even times (ticks), and changes what acts on it.
 
-At a tick the measured position of an axis is y = x - x_0 + sqrt(S f) n, with the target x_0, the
-two-sided spectral density S of the detector's noise, the rate f of the ticks and a standard normal
-number n. A linear controller has a state c for each axis:
+At a tick the measured position of an axis is y = x - x_0 + sqrt(S f) n. Here x_0 is the target, S
+the two-sided spectral density of the detector's noise, f the rate of the ticks, and n a standard
+normal number. A linear controller has a state c for each axis:
 
     c -> F c + G y,    u = H c + J y,
 
 with the c after the tick in u. The output u waits d ticks in a queue and then acts until the next
-one. A parametric controller changes the power by the part g y (y - y_before) f, summed over the
-axes. An output of 0 acts before the first one.
+one. Before the first output, 0 acts. A parametric controller changes the power by the part
+g y (y - y_before) f, summed over the axes.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from tweezer.values.arrays import Array
 if TYPE_CHECKING:
     from tweezer.scene.sections import Feedback
 
-#: First entries of the data: steps per tick, ticks of the delay, numbers of the state of an axis,
-#: standard deviation of the noise, target, gain. Which axes are measured follows, and F, G, H, J
+#: First entries of the data: steps per tick, ticks of the delay, size of c, standard deviation of
+#: the noise, target, gain, and which axes are measured. F, G, H and J follow
 EVERY, LATE, STATES, SPREAD, TARGET, GAIN, MEASURED = range(7)
 #: First entry of the matrices
 _MATRICES = MEASURED + 3

@@ -97,7 +97,7 @@ class Feedback(Section):
 
     @property
     def acts_on(self) -> str:
-        """What the output is: "force", "beam.power" or "beam.position"."""
+        """The output: "force", "beam.power" or "beam.position"."""
         return self.drives or _DRIVES[self.kind]
 
     @property
