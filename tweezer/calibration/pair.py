@@ -273,18 +273,13 @@ def calibrate_pair(
 
     Examples
     --------
-    >>> pair = tweezer.pair_mobilities("0.5 um", "0.5 um", "2 um", viscosity="1 mPa s")
-    >>> k, variance = 4e-5, 1.380649e-23 * 295 / 4e-5  # N/m, m^2
-    >>> kept = np.exp(-k * 1e-4 * np.array([pair.x11 + pair.x12, pair.x11 - pair.x12]))
-    >>> rng, modes = np.random.default_rng(1), np.zeros((10_000, 2))
-    >>> for before, after in zip(modes, modes[1:]):  # sum and difference of equal beads
-    ...     after[:] = kept * before + np.sqrt(variance * (1 - kept**2)) * rng.normal(size=2)
-    >>> x = modes @ np.array([[1, 1], [1, -1]]) / np.sqrt(2)
+    >>> spread = (1.380649e-23 * 295 / 4e-5) ** 0.5  # in traps of 40 pN/um, m
+    >>> x = spread * np.random.default_rng(1).normal(size=(4000, 2))  # independent: rare samples
     >>> found = tweezer.calibrate_pair(
-    ...     x, interval="0.1 ms", distance="3 um", radius_1="0.5 um", radius_2="0.5 um",
+    ...     x, interval="0.1 s", distance="3 um", radius_1="0.5 um", radius_2="0.5 um",
     ...     viscosity="1 mPa s", temperature=295,
     ... )
-    >>> bool((abs(found.stiffness - k) < 3 * found.stiffness_error).all())
+    >>> bool((abs(found.stiffness - 4e-5) < 3 * found.stiffness_error).all())
     True
     """
     for name, value, allowed in (("unit", unit, ("m", "V")), ("direction", direction, _LETTERS)):
