@@ -115,7 +115,7 @@ def test_cold_damping_has_the_moments_of_the_sampled_loop(quality, damping, tick
     F, G, H = np.array([[0, 0], [1, 0]]), np.array([1, 0]), np.array([-size, size])
     expected = sampled(quality, rate, F, G, H, 0.0, late, noise * SWING * STIFFNESS / KT)
     x, v = found[:, bound.layout.first("position")], found[:, bound.layout.first("velocity")]
-    force = found[:, bound.layout.first("drive")]
+    force = found[:, bound.layout.first(bound.scene.feedback.output)]
     assert x.var() * STIFFNESS / KT == pytest.approx(expected[0, 0], rel=BOUND)
     assert v.var() * MASS / KT == pytest.approx(expected[1, 1], rel=BOUND)
     assert force.var() / (KT * STIFFNESS) == pytest.approx(expected[-1, -1], rel=BOUND)
@@ -165,7 +165,7 @@ def test_a_force_clamp_keeps_the_force_on_a_tether(monkeypatch):
     )
     bound = walk(bound_once(scene))
     found = ends(bound)
-    force = STIFFNESS * (found[:, bound.layout.first("drive")] - found[:, 0])
+    force = STIFFNESS * (found[:, bound.layout.first(bound.scene.feedback.output)] - found[:, 0])
     variance = STIFFNESS**2 * KT / drag / (clamp + (STIFFNESS + tether) / drag)
     assert force.var() == pytest.approx(variance, rel=BOUND + 0.01)  # ticks of 1/100
     assert force.mean() == pytest.approx(
@@ -249,6 +249,26 @@ def test_moments_of_a_scene_are_those_of_the_sampled_loop(late):
     ).position_spectrum[0]
     variance = float(found.position_variance[0])
     assert float(spectrum.sum()) * rate / 8000 == pytest.approx(variance, rel=1e-3)
+
+
+def test_a_run_contains_the_output_and_can_be_continued(tmp_path):
+    scene = tweezer.load_scene("silica-1um").replace(
+        forces={"brownian": True}, medium={"inertia": "none"},
+        simulation={"model": "full", "duration": "0.2 ms", "samples": 201},
+        feedback={"kind": "pid", "rate": 1e6, "gains": [1e-4, 1e-2, 0], "delay": 2e-6},
+    )  # fmt: skip
+    whole = tweezer.simulate(scene, seed=3)
+    force, x = whole.feedback_force.values[:, 0], whole.position.values[:, 0]
+    assert not force[:3].any()
+    total = np.cumsum(x[1:]) * 1e-6
+    np.testing.assert_allclose(force[3:], -(1e-4 * x[1:-2] + 1e-2 * total[:-2]), rtol=1e-9)
+    assert not whole.feedback_force.values[:, 1:].any()
+    assert whole.feedback_force.attrs["units"] == "N"
+    short = scene.replace(simulation={"duration": "0.1 ms", "samples": 101})
+    rest = tweezer.simulate(short, continue_from=tweezer.simulate(short, seed=3))
+    np.testing.assert_array_equal(rest.position[-1], whole.position[-1])
+    tweezer.save(whole, tmp_path / "run.nc")
+    assert tweezer.load(tmp_path / "run.nc").feedback_force.equals(whole.feedback_force)
 
 
 def test_an_unstable_loop_and_other_impossible_controllers_are_refused():

@@ -64,7 +64,16 @@ QUANTITIES = {
     "quadrature": Quantity(
         ("Qx", "Qy", "Qz"), "axis", "m", "amplitude a quarter of a period ahead of the reference"
     ),
+    "feedback_force": Quantity(("ux", "uy", "uz"), "axis", "N", "force by the controller"),
+    "feedback_power": Quantity(
+        ("ux", "uy", "uz"), "axis", "1", "relative change of the power by the controller"
+    ),
+    "feedback_position": Quantity(
+        ("ux", "uy", "uz"), "axis", "m", "displacement of the light by the controller"
+    ),
 }
+#: Outputs of a controller, of which a state has at most one
+FEEDBACK = tuple(name for name in QUANTITIES if name.startswith("feedback"))
 #: Number of Euler parameters
 EULER = len(QUANTITIES["orientation"].columns)
 #: Blocks by the names of the variables in an emitted state, without their numbers
@@ -102,8 +111,13 @@ class Layout:
         return cls(blocks)
 
     @classmethod
-    def of_samples(cls, *, inertial: bool, rotates: bool, lock_in: bool = False) -> Self:
-        """Return the layout of samples of thermal motion, with the quantities that they contain."""
+    def of_samples(
+        cls, *, inertial: bool, rotates: bool, lock_in: bool = False, feedback: str = ""
+    ) -> Self:
+        """Return the layout of samples of thermal motion, with the quantities that they contain.
+
+        `feedback` is the name of the output of a controller; "" without one.
+        """
         there = {
             "position": True,
             "velocity": inertial,
@@ -111,8 +125,11 @@ class Layout:
             "angular_velocity": inertial and rotates,
             "in_phase": lock_in,
             "quadrature": lock_in,
+            feedback: True,
         }
-        return cls({name: len(each.columns) for name, each in QUANTITIES.items() if there[name]})
+        return cls({
+            name: len(each.columns) for name, each in QUANTITIES.items() if there.get(name)
+        })  # fmt: skip
 
     def followed_by(self, **blocks: int) -> Layout:
         """Return this layout with more blocks at the end; a block of no columns is left out."""

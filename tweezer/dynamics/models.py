@@ -66,6 +66,12 @@ class Motion:
     """(n, 3) m, amplitude in phase with the reference of the lock-in; None without one"""
     quadrature: Array | None = None
     """(n, 3) m, amplitude a quarter of a period ahead of the reference; None without a lock-in"""
+    feedback_force: Array | None = None
+    """(n, 3) N, force by a controller; None without one that sets a force"""
+    feedback_power: Array | None = None
+    """(n, 3) relative changes of the power by a controller; None without one that sets it"""
+    feedback_position: Array | None = None
+    """(n, 3) m, displacement of the light by a controller; None without one that moves it"""
 
 
 @dataclass(repr=False)

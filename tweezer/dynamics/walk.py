@@ -29,7 +29,7 @@ from tweezer.dynamics.brownian.exposure import HELD
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.camera import Exposure, Frames, at_short_times
 from tweezer.dynamics.continuing import Continued, End
-from tweezer.dynamics.layout import POSITION, ROTATION, TRANSLATION, Layout
+from tweezer.dynamics.layout import FEEDBACK, POSITION, ROTATION, TRANSLATION, Layout
 from tweezer.dynamics.mirror import in_mirror
 from tweezer.dynamics.models import Motion
 from tweezer.dynamics.needs import Facts, is_diagonal, rates_of
@@ -59,7 +59,9 @@ _MANY_SWINGS = 100.0
 #: Normal numbers of a release without those of the memory, which follow
 _DRAWN = Layout({"position": 3, "velocity": 3, "angular_velocity": 3})
 #: Blocks of a state, besides a sample, that are kept for a continued run
-_HIDDEN = ("memory", "laser", "drive", "control")
+_HIDDEN = ("memory", "laser", "control")
+#: Blocks of a state that are 0 at the release
+_AT_REST = ("in_phase", "quadrature", *FEEDBACK)
 #: Steps of all beads that are stored for a camera in one pass
 _STEPS_AT_ONCE = 2**17
 
@@ -218,7 +220,7 @@ class Walk:
             v = apart[:, _DRAWN.at("velocity")]
         parts |= {"position": x, "velocity": v, "exposure": np.zeros((n, HELD))}
         parts |= {"laser": np.zeros((n, laser.NUMBERS)), "lost_time": np.full((n, 1), np.inf)}
-        parts |= {name: np.zeros((n, 3)) for name in ("in_phase", "quadrature", "drive")}
+        parts |= {name: np.zeros((n, 3)) for name in self.layout.blocks if name in _AT_REST}
         parts |= {"control": np.zeros((n, self.layout.blocks.get("control", 0)))}
         if "orientation" in self.layout:
             e = self.problem.orientation
@@ -472,7 +474,7 @@ class Walk:
             turned = rotation_matrices(parts["orientation"])
             w = parts["angular_velocity"]
             parts["angular_velocity"] = np.einsum("nji,nj->ni", turned, w)
-        names = "velocity", "orientation", "angular_velocity", "in_phase", "quadrature"
+        _, *names = (each.name for each in dataclasses.fields(Motion))
         return Motion(parts["position"], *map(parts.get, names))
 
     @functools.cached_property
@@ -524,10 +526,10 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
     layout = Layout.of_samples(
         inertial=linear.inertial, rotates=problem.rotates,
         lock_in=problem.scene.lock_in is not None,
+        feedback="" if problem.scene.feedback is None else problem.scene.feedback.output,
     ).followed_by(
         exposure=HELD if exposure else 0, memory=3 * weights.memory.shape[2],
         laser=laser.NUMBERS if problem.scene.beam.noise else 0,
-        drive=0 if problem.scene.feedback is None else 3,
         control=feedback.width_of(plan.feedback), lost_time=1,
     )  # fmt: skip
     found = Walk(

@@ -307,6 +307,7 @@ _RUN = {
     "position": Variable(("time", "axis"), "m", needed=True),
     **_over_time("axis", velocity="m/s", optical_force="N", net_force="N"),
     **_over_time("axis", in_phase="m", quadrature="m"),
+    **_over_time("axis", feedback_force="N", feedback_power="1", feedback_position="m"),
     **_over_time("euler_parameter", orientation="1"),
     **_over_time("body_axis", angular_velocity="rad/s"),
     **_over_time(
@@ -328,10 +329,16 @@ _ENSEMBLE = {
     "velocity": Variable(("trajectory", "time", "axis"), "m/s"),
     "in_phase": Variable(("trajectory", "time", "axis"), "m"),
     "quadrature": Variable(("trajectory", "time", "axis"), "m"),
+    "feedback_force": Variable(("trajectory", "time", "axis"), "N"),
+    "feedback_power": Variable(("trajectory", "time", "axis"), "1"),
+    "feedback_position": Variable(("trajectory", "time", "axis"), "m"),
     "orientation": Variable(("trajectory", "time", "euler_parameter"), "1"),
     "angular_velocity": Variable(("trajectory", "time", "body_axis"), "rad/s"),
     "seen": Variable(("trajectory", "frame", "seen_axis"), "m"),
     "frame_time": Variable(("frame",), "s"),
+}
+_BEADS_ENSEMBLE = _ENSEMBLE | {
+    "position": Variable(("trajectory", "time", "bead", "axis"), "m", needed=True)
 }
 _STATISTICS = {
     "time": _TIME,
@@ -349,11 +356,19 @@ _STATISTICS = {
     "bin": Variable(("bin",), "m", needed=True),
     "density": Variable(("bin", "axis"), "1/m", needed=True),
 }
+_BEADS_STATISTICS = {
+    name: each._replace(dimensions=(*each.dimensions[:-1], "bead", "axis"))
+    if each.dimensions[-1:] == ("axis",)
+    else each
+    for name, each in _STATISTICS.items()
+}
 #: Requirements by the name of the kind
 SCHEMAS: dict[str, Schema] = {
     "run": Schema(_OfRun, _RUN, _of_run),
     "beads": Schema(_OfRun, _BEADS, _of_run),
     "ensemble": Schema(_OfEnsemble, _ENSEMBLE, _of_ensemble),
     "statistics": Schema(_OfEnsemble, _STATISTICS, _of_statistics),
+    "beads ensemble": Schema(_OfEnsemble, _BEADS_ENSEMBLE, _of_ensemble),
+    "beads statistics": Schema(_OfEnsemble, _BEADS_STATISTICS, _of_statistics),
     "sweep": Schema(_OfSweep, {}, _of_sweep),
 }

@@ -30,7 +30,7 @@ from tweezer.dynamics.brownian.crossing import BOUNDARY, Boundary
 from tweezer.dynamics.brownian.noise import NOISE, normals
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import TURNS
-from tweezer.dynamics.layout import ROTATION, TRANSLATION, Layout
+from tweezer.dynamics.layout import FEEDBACK, ROTATION, TRANSLATION, Layout
 from tweezer.forces.data import Part
 from tweezer.values.arrays import Array
 
@@ -80,6 +80,8 @@ class Steps(NamedTuple):
     """address of the tick of a controller; 0 without one"""
     in_phase: int
     """first column of the in-phase parts, before those of the quadratures; -1 without a lock-in"""
+    output: int
+    """first column of the output of a controller; -1 without one"""
 
 
 def steps(scheme: Scheme, layout: Layout, controller: Feedback | None) -> Steps:
@@ -104,6 +106,7 @@ def steps(scheme: Scheme, layout: Layout, controller: Feedback | None) -> Steps:
         layout.first("velocity"), layout.first("orientation"), layout.first("angular_velocity"),
         int(scheme.gradient), int(scheme.samples_ahead), int(scheme.force_first), turn, shake, mix,
         tick, layout.first("in_phase"),
+        -1 if controller is None else layout.first(controller.output),
     )  # fmt: skip
 
 
@@ -192,7 +195,7 @@ def _held(layout: Layout, beads: Beads, n: int) -> list[tuple[slice, Array]]:
         "laser": beads.laser[:, :n],
         "in_phase": beads.lock_in[:3, :n],
         "quadrature": beads.lock_in[3:, :n],
-        "drive": beads.pose.drive.T,
+        **dict.fromkeys(FEEDBACK, beads.pose.drive.T),
         "control": beads.control.T,
     }
     return [(layout.at(name), room) for name, room in rooms.items() if name in layout]
@@ -290,6 +293,9 @@ def _save(steps, beads, place, turned, i, out):  # type: ignore[no-untyped-def]
     if steps.in_phase >= 0:
         for k in range(6):
             out[steps.in_phase + k] = beads.lock_in[k, i]
+    if steps.output >= 0:
+        for k in range(3):
+            out[steps.output + k] = beads.pose.drive[i, k]
 
 
 @named_njit(inner=True, error_model="numpy")

@@ -101,6 +101,11 @@ class Feedback(Section):
         return self.drives or _DRIVES[self.kind]
 
     @property
+    def output(self) -> str:
+        """Name of the output in a run."""
+        return f"feedback_{self.acts_on.removeprefix('beam.')}"
+
+    @property
     def ticks_late(self) -> int:
         """Number of ticks from a measurement to the action."""
         return round(self.delay * self.rate)
