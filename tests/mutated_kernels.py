@@ -166,7 +166,7 @@ def by_python(
     names |= {"np": np, "math": __import__("math")}
     exec(text, names)
     turned = np.zeros((0, 4)) if orientation is None else orientation[None]
-    pose = Pose(np.array([time]), position[None].copy(), turned)
+    pose = Pose(np.array([time]), position[None].copy(), turned, np.zeros((0, 3)))
     before = copy.deepcopy(pose)
     none = np.zeros((0, 3, 3))
     wrench = Wrench(np.zeros((1, 3)), np.zeros((1, 3)), none, none, np.zeros(1))

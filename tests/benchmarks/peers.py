@@ -74,7 +74,10 @@ def _act(about, kernel, many, t, y):  # type: ignore[no-untyped-def]
     memory = _numbers_at(about[0])
     work = carray(memory, (_LENGTH,))
     pose = Pose(
-        work[_TIME : _TIME + 1], work[_PLACE : _PLACE + 3].reshape((1, 3)), carray(memory, (0, 4))
+        work[_TIME : _TIME + 1],
+        work[_PLACE : _PLACE + 3].reshape((1, 3)),
+        carray(memory, (0, 4)),
+        carray(memory, (0, 3)),
     )
     wrench = Wrench(
         work[_FORCE : _FORCE + 3].reshape((1, 3)), work[_MOMENT : _MOMENT + 3].reshape((1, 3)),

@@ -106,12 +106,12 @@ def add_forces(acting, time, x, f):  # type: ignore[no-untyped-def]
         np.empty((copies, 3)), np.empty((copies, 3)), np.empty((0, 3, 3)), np.empty((0, 3, 3)),
         np.empty(copies),
     )  # fmt: skip
-    turned = np.empty((0, 4))
+    turned, driven = np.empty((0, 4)), np.empty((0, 3))
     for k in range(beads):
         place[:] = x[:, k]
         clear(wrench)
         light = part(acting.light, k)
-        call(light.kernel, (Pose(times, place, turned), light.data, wrench))
+        call(light.kernel, (Pose(times, place, turned, driven), light.data, wrench))
         for i in range(copies):
             for j in range(3):
                 f[i, k, j] = wrench.force[i, j] + acting.weight[k, j]

@@ -121,7 +121,7 @@ class Drag(ABC):
         if self.oriented:
             unturned = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
             turned = unturned if orientations is None else orientations
-        pose = Pose(np.full(n, time, np.float64), places, turned)
+        pose = Pose(np.full(n, time, np.float64), places, turned, np.zeros((0, 3)))
         found = Mobility(np.zeros((n, 5)), np.zeros((n if gradient else 0, 5, 3)))
         kernel, data = self.compiled()
         kernel(pose, data, found)

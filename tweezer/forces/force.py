@@ -31,7 +31,7 @@ class Pose(NamedTuple):
     """(n, 3) m from the focus"""
     orientation: Array
     """(n, 4) Euler parameters of length 1; (0, 4) if no rotation is computed"""
-    drive: Array = np.zeros((0, 3))
+    drive: Array
     """(n, 3) output of a controller, by axis; (0, 3) without one: see `tweezer.forces.driven`"""
 
 
@@ -248,7 +248,7 @@ def clear(wrench):  # type: ignore[no-untyped-def]
                 wrench.force_gradient[i, k, l] = wrench.moment_gradient[i, k, l] = 0.0
 
 
-POSE = typeof(Pose(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 4))))
+POSE = typeof(Pose(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, 3))))
 WRENCH = typeof(no_wrench(0, gradient=True))
 KERNEL = types.void(POSE, DATA, WRENCH)
 """signature of a kernel"""

@@ -163,7 +163,7 @@ class UserForce(Force):
         position, orientation = np.array([pose[:3]]), np.array([pose[3:]])
         return trial.explained(
             self.function, self._data,
-            Pose(np.array([time]), position, orientation[: int(turned)]),
+            Pose(np.array([time]), position, orientation[: int(turned)], np.zeros((0, 3))),
             gradient=bool(gradient), wrong_error=what == _WRONG_ERROR,
         )  # fmt: skip
 

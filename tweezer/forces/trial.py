@@ -315,7 +315,7 @@ def _some_pose(n: int, *, turns: bool) -> Pose:
     rng = np.random.default_rng(n)
     orientation = rng.normal(size=(n if turns else 0, 4))
     orientation /= np.linalg.norm(orientation, axis=1, keepdims=True)
-    return Pose(np.full(n, 1e-4), rng.normal(size=(n, 3)) * 1e-7, orientation)
+    return Pose(np.full(n, 1e-4), rng.normal(size=(n, 3)) * 1e-7, orientation, np.zeros((0, 3)))
 
 
 def _run(
