@@ -106,7 +106,7 @@ def follow(
     everywhere = Boundary(1e9, -np.inf, 1e3, 0.0, 1.0, True, part, 0)
     out = np.empty((n, samples, layout.shown.width))
     failed = march.advance(
-        part, march.steps(scheme, layout), _plan(scheme, body, kT, h, seed, per_sample),
+        part, march.steps(scheme, layout, None), _plan(scheme, body, kT, h, seed, per_sample),
         _weights(scheme, body, kT, h, tau), everywhere, layout, np.arange(n), states, 0, out,
     )  # fmt: skip
     assert failed == -1

@@ -326,8 +326,9 @@ def _of_noise(A: Array, noise: Array) -> Array:
     Q F^-T, with the integral Q of F N F^T (C. F. Van Loan, IEEE Trans. Autom. Control 23, 395
     (1978)).
     """
-    made = np.zeros((len(A), 6, 6))
-    made[:, :3, :3], made[:, :3, 3:], made[:, 3:, 3:] = A, noise, -A.swapaxes(1, 2)
+    n = A.shape[1]
+    made = np.zeros((len(A), 2 * n, 2 * n))
+    made[:, :n, :n], made[:, :n, n:], made[:, n:, n:] = A, noise, -A.swapaxes(1, 2)
     return made
 
 
@@ -346,8 +347,9 @@ def _periodic_covariance(maps: Array) -> Array:
     """Return the covariance C before and after each map of `_of_noise`, (n + 1, 3, 3), for a
     periodic C.
     """
-    F = maps[:, :3, :3]
-    Q = maps[:, :3, 3:] @ F.swapaxes(1, 2)
+    n = maps.shape[1] // 2
+    F = maps[:, :n, :n]
+    Q = maps[:, :n, n:] @ F.swapaxes(1, 2)
 
     def after(C: Array) -> Array:
         made = [C]
