@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import hypothesis
 import pytest
 import xarray as xr
 from xdist.scheduler import LoadScopeScheduling
@@ -32,6 +33,10 @@ os.environ.pop("TTY_INTERACTIVE", None)
 import tweezer
 from tests.browsing import chromium
 from tweezer import cli
+
+# a drawn example may take any time: the machine may be busy
+hypothesis.settings.register_profile("any time", deadline=None)
+hypothesis.settings.load_profile("any time")
 
 # Compiling makes many objects beside the many of the test session: collected less often, an eighth
 # of the time is saved
