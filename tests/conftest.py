@@ -35,7 +35,8 @@ from tests.browsing import chromium
 from tweezer import cli
 
 # a drawn example may take any time: the machine may be busy
-hypothesis.settings.register_profile("any time", deadline=None)
+slow = hypothesis.HealthCheck.too_slow
+hypothesis.settings.register_profile("any time", deadline=None, suppress_health_check=[slow])
 hypothesis.settings.load_profile("any time")
 
 # Compiling makes many objects beside the many of the test session: collected less often, an eighth
