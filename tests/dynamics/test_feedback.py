@@ -25,6 +25,8 @@ MASS = BEAD.mass
 #: Angular frequency of the bead in its spring, rad/s
 SWING = math.sqrt(STIFFNESS / MASS)
 COPIES = 4000
+#: What each kind of controller changes
+OUTPUTS = {"clamp": "position", "parametric": "power", "pid": "force"}
 #: Relative bound of a variance of that many beads
 BOUND = 4.5 * math.sqrt(2 / COPIES)
 
@@ -271,13 +273,62 @@ def test_a_run_contains_the_output_and_can_be_continued(tmp_path):
     assert tweezer.load(tmp_path / "run.nc").feedback_force.equals(whole.feedback_force)
 
 
+@pytest.mark.parametrize(
+    "controller",
+    [
+        {"kind": "clamp", "gain": 1e4, "target": "20 nm"},
+        {"kind": "parametric", "gain": 3e9},
+        {"kind": "pid", "gains": [1e-4, 0, 0]},
+    ],
+    ids=lambda controller: controller["kind"],
+)
+def test_forces_of_a_run_include_the_controller(controller):
+    scene = tweezer.load_scene("silica-1um").replace(
+        forces={"brownian": True}, medium={"inertia": "none"}, start={"position": [1e-7, 0, 0]},
+        simulation={"model": "full", "duration": "0.1 ms", "samples": 101},
+    )  # fmt: skip
+    run = tweezer.simulate(scene.replace(feedback=controller | {"rate": 1e6}), seed=2)
+    place, output = (
+        run.position.values.copy(),
+        run[f"feedback_{OUTPUTS[controller['kind']]}"].values,
+    )
+    assert np.abs(output[50:, 0]).min() > 0
+    strength, push = np.ones(101), np.zeros((101, 3))
+    match controller["kind"]:
+        case "clamp":
+            place -= output
+        case "parametric":
+            strength = np.maximum(1 + output.sum(axis=1), 0)  # no light is the least
+            assert np.ptp(strength) > 0.02
+        case _:
+            push = output
+    light = strength[:, None] * tweezer.optical_force(scene, place)
+    np.testing.assert_allclose(run.optical_force, light, rtol=1e-6, atol=1e-18)
+    weight = tweezer.bead_properties(scene).weight
+    np.testing.assert_allclose(run.net_force, light + push + weight, rtol=1e-6, atol=1e-18)
+    assert run.force_error.max() < 1e-3 * np.abs(light).max()
+
+
+def test_a_controller_may_have_no_state():
+    scene = tweezer.load_scene("silica-1um").replace(
+        forces={"brownian": True}, medium={"inertia": "none"},
+        simulation={"model": "full", "duration": "0.1 ms", "samples": 101},
+    )  # fmt: skip
+    given = {"rate": 1e6, "kind": "matrices", "F": [], "G": [], "H": [], "J": -1e-4}
+    same = {"rate": 1e6, "kind": "pid", "gains": [1e-4, 0, 0]}
+    one, other = (tweezer.simulate(scene.replace(feedback=each), seed=1) for each in (given, same))
+    np.testing.assert_allclose(one.position, other.position, rtol=1e-12, atol=1e-20)
+    one, other = (tweezer.loop_moments(scene.replace(feedback=each)) for each in (given, same))
+    np.testing.assert_allclose(one.position_variance, other.position_variance, rtol=1e-9)
+
+
 def test_an_unstable_loop_and_other_impossible_controllers_are_refused():
     scene = tweezer.load_scene("silica-1um").replace(
         forces={"brownian": True}, medium={"inertia": "none"},
         simulation={"duration": "1 ms", "samples": 101},
     )  # fmt: skip
     cold = {"kind": "cold", "rate": 1e5, "gain": 1e5}
-    with pytest.raises(tweezer.SceneError, match="not stable; a disturbance grows"):
+    with pytest.raises(tweezer.SceneError, match="not stable; a disturbance is multiplied"):
         tweezer.loop_moments(scene.replace(feedback=cold | {"gain": -1e8}))
     for changed, message in (
         ({"gain": None}, "gain: is missing"),

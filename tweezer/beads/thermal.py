@@ -37,9 +37,9 @@ _MOST_STEPS = 10**8
 class Coupled:
     """Thermal motion of several beads with fixed steps.
 
-    The state of a copy consists of the positions of its beads and the time at which the first of
-    them was lost, s, infinite before. Random numbers are functions of the seed, the number of the
-    trajectory and the number of the step.
+    The state of a copy contains the positions of its beads, m. Its last number is the time at which
+    a bead was first lost, s, which is infinite before. Random numbers are functions of the seed,
+    the number of the trajectory and the number of the step.
     """
 
     system: System
@@ -132,7 +132,13 @@ class Coupled:
     def filmed(
         self, states: Array, trajectories: NDArray[np.int64], sample: int, out: Array
     ) -> Array:
-        """Advance as `advance`, and return the camera frames (n, 0, 0)."""
+        """Advance as `advance`, and return the camera frames (n, 0, 0): several beads have none.
+
+        Parameters
+        ----------
+        states, trajectories, sample, out
+            As in `advance`.
+        """
         self.advance(states, trajectories, sample, out)
         return np.empty((len(states), 0, 0))
 
@@ -174,10 +180,18 @@ class Coupled:
         states[held[lost], -1] = times[gone[lost].argmax(axis=1)]
 
     def take_steps(self, x: Array, who: NDArray[np.int64], sample: int, out: Array) -> None:
-        """Advance positions x (copies, beads, 3), m, in place, and fill `out` with the samples.
+        """Advance positions from a sample, in place, without a search for losses.
 
-        `who` (copies,) are the numbers of the trajectories, and `out` is
-        (copies, samples, beads, 3). Losses are not looked for.
+        Parameters
+        ----------
+        x : ndarray, shape (copies, beads, 3)
+            Positions at this sample, m; replaced.
+        who : ndarray of int64, shape (copies,)
+            Numbers of the trajectories.
+        sample : int
+            Number of the sample.
+        out : ndarray, shape (copies, samples, beads, 3)
+            Filled with the positions after it, m.
         """
         first, step = sample * self.per_sample, self.step
         acting = self.system.acting

@@ -116,7 +116,16 @@ class Layout:
     ) -> Self:
         """Return the layout of samples of thermal motion, with the quantities that they contain.
 
-        `feedback` is the name of the output of a controller; "" without one.
+        Parameters
+        ----------
+        inertial : bool
+            Whether there are velocities.
+        rotates : bool
+            Whether there are orientations.
+        lock_in : bool, optional
+            Whether there are amplitudes behind a lock-in.
+        feedback : str, optional
+            Name of the output of a controller. Default: no controller.
         """
         there = {
             "position": True,

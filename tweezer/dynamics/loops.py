@@ -22,19 +22,19 @@ if TYPE_CHECKING:
 
     from tweezer.scene import Scene
 
-#: Number of frequencies of the spectrum, and the largest asymmetry of a stiffness that is a spring
-_FREQUENCIES, _SYMMETRIC = 200, 1e-3
+#: Number of frequencies of the spectrum
+_FREQUENCIES = 200
 #: Dimensions of position and velocity
 _AXES = 3
 
 
 class _Loop(NamedTuple):
-    """A loop from tick to tick, z -> M z + N n, with white noise n of unit variance."""
+    """A loop from tick to tick, z -> M z + noise."""
 
     M: Array
     """(size, size); z is (x, v, c and queue of each axis, output that acts), in units of `scale`"""
     covariance: Array
-    """(size, size) covariance of N n"""
+    """(size, size) covariance of the noise"""
     scale: Array
     """(size,) units of z"""
 
@@ -44,10 +44,10 @@ def loop_moments(
 ) -> xr.Dataset:
     """Return variances and spectra of a bead with a linear controller, in closed form.
 
-    Near its equilibrium the bead follows m x'' + beta x' + K x = F(u) + noise, exactly from tick to
-    tick. The controller holds its output between ticks. The covariance after a tick then satisfies
-    a discrete Lyapunov equation. The controller does not enter the equilibrium, and `target` shifts
-    means only.
+    Near its equilibrium the bead follows m x'' + beta x' + K x = F(u) + noise. The motion from tick
+    to tick is exact. The controller holds its output between ticks. The covariance after a tick
+    then satisfies a discrete Lyapunov equation. The controller does not enter the equilibrium, and
+    `target` shifts means only.
 
     Parameters
     ----------
@@ -83,8 +83,8 @@ def loop_moments(
     radius = float(np.abs(np.linalg.eigvals(loop.M)).max())
     if radius >= 1:
         raise SceneError(
-            f"feedback: the loop is not stable; a disturbance grows by {radius:.6g} in a tick; set "
-            "a smaller gain or a shorter delay"
+            f"feedback: the loop is not stable; a disturbance is multiplied by {radius:.6g} in a "
+            "tick; set a smaller gain or a shorter delay, or measure every axis without a trap"
         )
     variances = np.diag(solve_discrete_lyapunov(loop.M, loop.covariance)) * loop.scale**2
     rate = feedback.rate
@@ -122,7 +122,7 @@ def loop_moments(
         {"units": "m^2/Hz", "long_name": "one-sided spectrum of the position at the ticks"},
     )
     dataset.attrs = {
-        "title": scene.title, "decay_per_tick": radius, "thermal_energy": kT,
+        "title": scene.title, "factor_per_tick": radius, "thermal_energy": kT,
         "scene": scene.model_dump_json(exclude_none=True),
     }  # fmt: skip
     return dataset
@@ -156,7 +156,7 @@ def _loop(scene: Scene) -> tuple[_Loop, float, float]:
     mass = problem.effective_mass if linear.inertial else 0.0
     kT, T = linear.kT, 1 / feedback.rate
     acting = np.eye(3) if feedback.acts_on == "force" else stiffness
-    # units: the thermal displacement of the softest axis, or that of a tick
+    # units: the thermal displacement along the stiffest axis, or that of a tick without a trap
     hold = float(np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T)).max())
     far = math.sqrt(kT / hold) if hold > 0 else math.sqrt(2 * kT * T / drag.min())
     fast = math.sqrt(kT / mass) if mass else 1.0
@@ -186,11 +186,10 @@ def _loop(scene: Scene) -> tuple[_Loop, float, float]:
     queue = np.kron(np.eye(late, k=1), np.eye(3))
     # rows: motion, states, queue, acting; y = x after the step + noise
     C = np.hstack([np.eye(3), np.zeros((3, n - 3))])
-    by_y = Gs
     whole = block_diag(moved, Fs, queue, np.zeros((3, 3)))
     c, q, u = n, n + 3 * states, n + 3 * states + 3 * late
     whole[:n, u:] = pushed
-    whole[c:q, :n], whole[c:q, u:] = by_y @ C @ moved, by_y @ C @ pushed
+    whole[c:q, :n], whole[c:q, u:] = Gs @ C @ moved, Gs @ C @ pushed
     out = slice(u - 3, u) if late else slice(u, u + 3)
     direct = Js + Hs @ Gs
     whole[out, :n], whole[out, u:] = direct @ C @ moved, direct @ C @ pushed
@@ -199,7 +198,7 @@ def _loop(scene: Scene) -> tuple[_Loop, float, float]:
         whole[u:, q : q + _AXES] = np.eye(3)
     into = np.zeros((u + 3, n + 3))
     into[:n, :n] = np.eye(n)
-    into[c:q] = by_y @ np.hstack([C, np.eye(3)])
+    into[c:q] = Gs @ np.hstack([C, np.eye(3)])
     into[out] = direct @ np.hstack([C, np.eye(3)])
     noise = block_diag(spread, feedback.noise * feedback.rate / far**2 * np.eye(3))
     scale = np.concatenate([own, np.tile(size, 3), np.full(3 * late + 3, push)])

@@ -12,7 +12,7 @@ import numpy as np
 
 from tweezer.compiled import cached_njit
 from tweezer.forces.data import Data, number, packed, part
-from tweezer.forces.force import Force, Kernel, Pose, Wrench, add, bound, numbered
+from tweezer.forces.force import Force, Kernel, Pose, Wrench, add, bound
 from tweezer.values.arrays import Array
 
 
@@ -58,8 +58,7 @@ class DrivenLight(Force):
 
     def regions(self) -> tuple[Kernel, Data] | None:
         """Return a kernel that numbers the regions in which the force is smooth, and its data."""
-        within = numbered(self.force)
-        return None if within is None else self.force.regions()
+        return self.force.regions()
 
     def error_of(self, positions: Array, field: Wrench, time: float | Array = 0.0) -> Array:
         """Return the error of a force that has been computed; see `Force.error_of`."""

@@ -13,6 +13,27 @@ from tweezer.results.run import Variable, variable, with_error
 from tweezer.values.arrays import Array
 
 
+def in_the_light(motion: Motion) -> Array:
+    """Return the positions of a bead relative to light that a controller displaces, (n, 3) m."""
+    if motion.feedback_position is None:
+        return motion.position
+    return motion.position - motion.feedback_position
+
+
+def light_on(problem: Problem, times: Array, motion: Motion) -> Wrench:
+    """Return force and torque of the light on a bead in motion at times (n,), s.
+
+    They include a displacement of the light, and a change of its power, by a controller.
+    """
+    light = problem.light_along(in_the_light(motion), times, motion.orientation)
+    if motion.feedback_power is None:
+        return light
+    strength = np.maximum(1 + motion.feedback_power.sum(axis=1), 0.0)
+    return Wrench(*(
+        each * strength.reshape(-1, *[1] * (each.ndim - 1)) if len(each) else each for each in light
+    ))  # fmt: skip
+
+
 def derived_quantities(
     problem: Problem, times: Array, motion: Motion, light: Wrench
 ) -> dict[str, Variable]:
@@ -51,6 +72,8 @@ def derived_quantities(
     for each in problem.beside_the_light:
         pushed = each.field(places, time=times, orientations=motion.orientation)
         net_force += pushed.force
+    if motion.feedback_force is not None:
+        net_force += motion.feedback_force
     terminal = net_force * problem.mobilities(places, times)[:, TRANSLATION]
     if problem.body is not None and motion.orientation is not None:
         from scipy.spatial.transform import Rotation  # a sphere does without
@@ -135,7 +158,7 @@ def force_errors(
         Optical force at these times.
     """
     places = motion.position
-    of_light = problem.light.error_of(places, light, times)
+    of_light = problem.light.error_of(in_the_light(motion), light, times)
     errors = {"force_error": _of_force(of_light)}
     if problem.others:
         of_all = of_light.copy()

@@ -43,7 +43,7 @@ from tweezer.forces.named import origins_of
 from tweezer.optics import evaluators_of, worth_attributes
 from tweezer.results.io import load_run
 from tweezer.results.run import Run, Variable, variable
-from tweezer.runs.derived import derived_quantities, fault_at, force_errors
+from tweezer.runs.derived import derived_quantities, fault_at, force_errors, light_on
 from tweezer.runs.summary import force_error_along, stored, summary_of_path
 from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.scene.arguments import check_run, in_si
@@ -495,7 +495,7 @@ def _thermal_run(
     if run_of.status == "failed":
         warn(f"{bound.scene.name}: {run_of.message}")
     _warn_of_sticking(bound, motion)
-    light = bound.problem.light_along(motion.position, times, motion.orientation)
+    light = light_on(bound.problem, times, motion)
     run = _run(bound.problem, times, motion, light, attributes)
     run.variables.update(force_errors(bound.problem, times, motion, light))
     run = _detected(run, bound.scene, seed, run_of.times, run_of.first)

@@ -129,8 +129,8 @@ def time_sharing(scene: SceneLike) -> TimeSharing:
     r"""Compare a trap whose light repeats with a period with the trap of its averaged force.
 
     A beam that jumps between places far faster than the bead can follow traps it by the mean of its
-    forces over a period T. At a finite frequency the bead follows the remaining force, whose
-    Fourier components F_n cause displacements of the amplitude T F_n/(2 pi n gamma). The changing
+    forces over a period T. At a finite frequency the bead also follows the remaining force. Its
+    Fourier components F_n displace the bead by T F_n/(2 pi n gamma). The changing
     stiffness changes the thermal variance in second order of T. The position obeys
 
     .. math::

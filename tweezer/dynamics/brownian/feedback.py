@@ -7,15 +7,14 @@ normal number. A linear controller has a state c for each axis:
     c -> F c + G y,    u = H c + J y,
 
 with the c after the tick in u. The output u waits d ticks in a queue and then acts until the next
-one. Before the first output, 0 acts. A parametric controller changes the power by the part
-g y (y - y_before) f, summed over the axes.
+one. Before the first output, 0 acts. A parametric controller adds g y (y - y_before) f to u, which
+changes the power by the sum of u over the axes.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numba import types
@@ -28,8 +27,8 @@ from tweezer.values.arrays import Array
 if TYPE_CHECKING:
     from tweezer.scene.sections import Feedback
 
-#: First entries of the data: steps per tick, ticks of the delay, size of c, standard deviation of
-#: the noise, target, gain, and which axes are measured. F, G, H and J follow
+#: First entries of the data: steps per tick, ticks of the delay, size of c, standard deviation
+#: sqrt(S f), target x_0, gain g f, and 1 for each measured axis. F, G, H and J follow
 EVERY, LATE, STATES, SPREAD, TARGET, GAIN, MEASURED = range(7)
 #: First entry of the matrices
 _MATRICES = MEASURED + 3
@@ -50,12 +49,14 @@ class Matrices(NamedTuple):
 
 
 def matrices_of(feedback: Feedback, mass: float) -> Matrices:
-    """Return the matrices of a linear controller.
+    """Return the matrices of a controller.
+
+    Those of a parametric one only store the measurement, which its tick multiplies.
 
     Parameters
     ----------
     feedback : Feedback
-        Section of the scene, of any kind but "parametric".
+        Section of the scene.
     mass : float
         Effective mass m of the bead, kg.
     """
@@ -67,6 +68,8 @@ def matrices_of(feedback: Feedback, mass: float) -> Matrices:
                 np.array([[0.0, 0.0], [1.0, 0.0]]), np.array([1.0, 0.0]), np.array([-size, size]),
                 0.0,
             )  # fmt: skip
+        case "parametric":  # c = y
+            return Matrices(np.zeros((1, 1)), np.ones(1), np.zeros(1), 0.0)
         case "clamp":  # X -> X + gain (y - X)/f
             part = -math.expm1(-(feedback.gain or 0.0) / f)
             return Matrices(np.array([[1 - part]]), np.array([part]), np.array([1.0]), 0.0)
@@ -76,8 +79,9 @@ def matrices_of(feedback: Feedback, mass: float) -> Matrices:
             n = 3 if I else 2
             G, H = np.array([1.0, 0.0, 1 / f]), np.array([-P - D * f, D * f, -I])
             return Matrices(F[:n, :n], G[:n], H[:n], 0.0)
+    n = len(feedback.G or ())
     return Matrices(
-        np.array(feedback.F, float).reshape(len(feedback.G or ()), -1), np.array(feedback.G, float),
+        np.array(feedback.F, float).reshape(n, n), np.array(feedback.G, float),
         np.array(feedback.H, float), float(feedback.J or 0.0),
     )  # fmt: skip
 
@@ -90,22 +94,15 @@ def data_of(feedback: Feedback, step: float, mass: float) -> Array:
     measured = [float(axis in feedback.measures) for axis in "xyz"]
     spread = math.sqrt(feedback.noise * feedback.rate)
     head = [round(1 / (feedback.rate * step)), feedback.ticks_late]
-    if feedback.kind == "parametric":
-        tail = [1, spread, feedback.target, (feedback.gain or 0.0) * feedback.rate, *measured]
-        return np.array([*head, *tail], float)
     F, G, H, J = matrices_of(feedback, mass)
-    own = [len(G), spread, feedback.target, 0.0, *measured]
+    gain = (feedback.gain or 0.0) * feedback.rate if feedback.kind == "parametric" else 0.0
+    own = [len(G), spread, feedback.target, gain, *measured]
     return np.concatenate([head, own, F.ravel(), G, H, [J]])
 
 
 def width_of(data: Array) -> int:
     """Return how many numbers a controller keeps for a bead, besides its output."""
     return 3 * int(data[STATES] + data[LATE]) if len(data) else 0
-
-
-def tick_of(feedback: Feedback) -> Callable[..., Any]:
-    """Return the compiled tick of a controller."""
-    return parametric if feedback.kind == "parametric" else linear
 
 
 @named_njit(inner=True, error_model="numpy")
@@ -122,8 +119,8 @@ def _put(data, row, drive, k, u):  # type: ignore[no-untyped-def]
 
 
 @cached_njit(error_model="numpy", nogil=True)
-def linear(plan, who, at, beads):  # type: ignore[no-untyped-def]
-    """Measure, and act by a linear controller, after the step with the number `at`."""
+def tick(plan, who, at, beads):  # type: ignore[no-untyped-def]
+    """Measure, and act, after the step with the number `at`."""
     data, drawn = plan.feedback, np.zeros((3, who.size))
     states = int(data[STATES])
     if data[SPREAD] > 0.0:
@@ -138,6 +135,8 @@ def linear(plan, who, at, beads):  # type: ignore[no-untyped-def]
                 continue
             y = beads.x[k, i] - data[TARGET] + data[SPREAD] * drawn[k, i]
             u = data[J] * y
+            if data[GAIN] != 0.0:  # c_0 is the measurement before
+                u += data[GAIN] * y * (y - row[k * states])
             for a in range(states):
                 c[a] = data[G + a] * y
                 for b in range(states):
@@ -145,21 +144,4 @@ def linear(plan, who, at, beads):  # type: ignore[no-untyped-def]
             for a in range(states):
                 row[k * states + a] = c[a]
                 u += data[H + a] * c[a]
-            _put(data, row, beads.pose.drive[i], k, u)
-
-
-@cached_njit(error_model="numpy", nogil=True)
-def parametric(plan, who, at, beads):  # type: ignore[no-untyped-def]
-    """Measure, and change the power by a part of y dy/dt, after the step with the number `at`."""
-    data, drawn = plan.feedback, np.zeros((3, who.size))
-    if data[SPREAD] > 0.0:
-        normals(plan.seed, who, at, FEEDBACK, drawn)
-    for i in range(len(beads.control)):
-        row = beads.control[i]
-        for k in range(3):
-            if data[MEASURED + k] == 0.0:
-                continue
-            y = beads.x[k, i] - data[TARGET] + data[SPREAD] * drawn[k, i]
-            u = data[GAIN] * y * (y - row[k])
-            row[k] = y
             _put(data, row, beads.pose.drive[i], k, u)

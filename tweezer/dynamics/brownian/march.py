@@ -100,7 +100,7 @@ def steps(scheme: Scheme, layout: Layout, controller: Feedback | None) -> Steps:
         turn = address(rotation.turn_and_diffuse if diffuses else rotation.turn_by_steps, TURNS)
     shake = address(laser.shake, laser.SHAKES) if "laser" in layout else 0
     mix = address(lock_in.mix, lock_in.MIXES) if "in_phase" in layout else 0
-    tick = 0 if controller is None else address(feedback.tick_of(controller), feedback.TICKS)
+    tick = 0 if controller is None else address(feedback.tick, feedback.TICKS)
     return Steps(
         address(scheme.step, STEP), draws, layout.blocks.get("memory", 0) // 3,
         layout.first("velocity"), layout.first("orientation"), layout.first("angular_velocity"),
